@@ -1,0 +1,12 @@
+//! Geometry and colour primitives that every other room uses: the [`Camera`], [`Bounds`] and linear, premultiplied
+//! colours. Nothing here knows of scenes, files or the GPU.
+//!
+//! Cameras and bounds are kept in `f64`. Matrices are named by the spaces they connect, destination first
+//! (`view_from_world`), and points and vectors by the space they live in (`point_in_view`).
+
+mod bounds;
+mod camera;
+pub mod color;
+
+pub use bounds::{Bounds, Sphere};
+pub use camera::{Camera, Projection, ViewFrustum};

@@ -1,0 +1,63 @@
+//! What the planner needs to know of a scene, and no more.
+
+use glam::DVec3;
+
+use super::{AlphaMode, Scene};
+use crate::math::Bounds;
+
+/// Facts about a scene on which a plan depends.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneStats {
+    /// Number of parts.
+    pub parts: u64,
+    /// Number of instanced triangles.
+    pub triangles: u64,
+    /// Vertices stored on the GPU (shared meshes once).
+    pub vertices: u64,
+    /// Materials whose alpha is opacity.
+    pub blended_materials: u64,
+    /// Materials whose alpha cuts holes.
+    pub masked_materials: u64,
+    /// Materials that emit light.
+    pub emissive_materials: u64,
+    /// Materials with at least one texture.
+    pub textured_materials: u64,
+    /// Box around everything, scene units.
+    pub bounds: Bounds,
+}
+
+impl SceneStats {
+    /// Counts a finished scene.
+    pub fn of(scene: &Scene) -> SceneStats {
+        let used: Vec<_> = {
+            let mut used = vec![false; scene.materials.len()];
+            for part in &scene.parts {
+                for primitive in &scene.meshes[part.mesh].primitives {
+                    used[primitive.material] = true;
+                }
+            }
+            scene.materials.iter().zip(used).filter_map(|(m, used)| used.then_some(m)).collect()
+        };
+        let count = |f: &dyn Fn(&&super::Material) -> bool| used.iter().filter(|m| f(m)).count() as u64;
+        SceneStats {
+            parts: scene.parts.len() as u64,
+            triangles: scene.triangle_count(),
+            vertices: scene.meshes.iter().flat_map(|m| &m.primitives).map(|p| p.positions.len() as u64).sum(),
+            blended_materials: count(&|m| m.alpha_mode == AlphaMode::Blend),
+            masked_materials: count(&|m| matches!(m.alpha_mode, AlphaMode::Mask { .. })),
+            emissive_materials: count(&|m| m.emissive != [0.0; 3]),
+            textured_materials: count(&|m| m.texture_refs().next().is_some()),
+            bounds: scene.bounds(),
+        }
+    }
+
+    /// Radius of the sphere around everything, scene units.
+    pub fn radius(&self) -> f64 {
+        self.bounds.bounding_sphere().radius
+    }
+
+    /// Center of the sphere around everything.
+    pub fn center(&self) -> DVec3 {
+        self.bounds.center()
+    }
+}
