@@ -1,0 +1,15 @@
+//@ use store/part_column
+// Fills the part column from the keys: the part follows from the triangle's number.
+
+@compute @workgroup_size(8, 8)
+fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x >= frame.size.x || id.y >= frame.end_row - frame.first_row {
+        return;
+    }
+    let pixel = id.y * frame.size.x + id.x;
+    let base = layer_base(pixel);
+    let count = layer_count(pixel);
+    for (var i = 0u; i < count; i++) {
+        parts[base + i] = part_of_layer(base + i);
+    }
+}

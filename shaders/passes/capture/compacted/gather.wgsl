@@ -1,0 +1,27 @@
+//@ use store/layout_compacted
+// Gather: brings what was appended into the order that the sort found.
+
+@group(1) @binding(3) var<storage, read_write> normals: array<u32>;
+@group(1) @binding(4) var<storage, read_write> colors: array<vec2<u32>>;
+@group(1) @binding(5) var<storage, read_write> materials: array<vec2<u32>>;
+@group(1) @binding(21) var<storage, read_write> arrival_colors: array<vec2<u32>>;
+@group(1) @binding(23) var<storage, read_write> arrival_surfaces: array<vec2<u32>>;
+@group(1) @binding(22) var<storage, read_write> arrival_emissive: array<u32>;
+@group(1) @binding(24) var<storage, read_write> sources: array<u32>;
+
+@compute @workgroup_size(8, 8)
+fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x >= frame.size.x || id.y >= frame.end_row - frame.first_row {
+        return;
+    }
+    let pixel = id.y * frame.size.x + id.x;
+    let base = layer_base(pixel);
+    let count = layer_count(pixel);
+    for (var i = 0u; i < count; i++) {
+        let source = base + sources[base + i];
+        let surface = arrival_surfaces[source];
+        colors[base + i] = arrival_colors[source];
+        normals[base + i] = surface.x;
+        materials[base + i] = vec2<u32>(surface.y, arrival_emissive[source]);
+    }
+}

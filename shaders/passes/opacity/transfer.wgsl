@@ -1,0 +1,44 @@
+// Transfer functions as tables (Murray 2016, section 5.2): colour over kappa, opacity over (depth, |kappa|). Filtered here,
+// by hand, because samplers keep only 8 bits of the position between two entries.
+
+@group(1) @binding(15) var color_table: texture_2d<f32>;
+@group(1) @binding(16) var opacity_table: texture_2d<f32>;
+
+struct TransferParameters {
+    // 0 tint, 1 multiply.
+    color_mode: u32,
+    // Multiplies the opacity.
+    gain: f32,
+    // Opacity of every layer under the constant model, 1 under the others.
+    constant: f32,
+    _pad: u32,
+}
+@group(1) @binding(26) var<uniform> transfer: TransferParameters;
+
+fn color_of_kappa(kappa: f32) -> vec3<f32> {
+    let at = clamp(kappa * 0.5 + 0.5, 0.0, 1.0) * 255.0;
+    let low = min(u32(at), 254u);
+    let a = textureLoad(color_table, vec2<u32>(low, 0u), 0).rgb;
+    let b = textureLoad(color_table, vec2<u32>(low + 1u, 0u), 0).rgb;
+    return mix(a, b, at - f32(low));
+}
+
+fn opacity_of(depth01: f32, kappa: f32) -> f32 {
+    let at = clamp(vec2<f32>(depth01, abs(kappa)), vec2<f32>(0.0), vec2<f32>(1.0)) * 255.0;
+    let low = min(vec2<u32>(at), vec2<u32>(254u));
+    let t = at - vec2<f32>(low);
+    let a = textureLoad(opacity_table, low, 0).r;
+    let b = textureLoad(opacity_table, low + vec2<u32>(1u, 0u), 0).r;
+    let c = textureLoad(opacity_table, low + vec2<u32>(0u, 1u), 0).r;
+    let d = textureLoad(opacity_table, low + vec2<u32>(1u, 1u), 0).r;
+    return clamp(transfer.gain * mix(mix(a, b, t.x), mix(c, d, t.x), t.y), 0.0, 1.0);
+}
+
+// A colour under the colour function's value, 0.5 of which changes nothing.
+fn tinted(color: vec3<f32>, value: vec3<f32>) -> vec3<f32> {
+    let darkened = color * min(2.0 * value, vec3<f32>(select(1.0, 2.0, transfer.color_mode == 1u)));
+    if transfer.color_mode == 1u {
+        return darkened;
+    }
+    return mix(darkened, vec3<f32>(1.0), max(2.0 * value - 1.0, vec3<f32>(0.0)));
+}

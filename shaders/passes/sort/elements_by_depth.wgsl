@@ -1,0 +1,41 @@
+// Sorts a pixel's appended fragments by (depth, triangle) and notes where each came from.
+
+alias Element = vec3<u32>;
+@group(1) @binding(2) var<storage, read_write> keys: array<vec2<u32>>;
+@group(1) @binding(20) var<storage, read_write> arrival_keys: array<vec2<u32>>;
+@group(1) @binding(24) var<storage, read_write> sources: array<u32>;
+
+fn padding_element() -> Element {
+    return vec3<u32>(0xFFFFFFFFu);
+}
+
+// Depth, triangle, arrival.
+fn is_less(a: Element, b: Element) -> bool {
+    return a.x < b.x || (a.x == b.x && a.y < b.y);
+}
+
+fn load_element(base: u32, i: u32) -> Element {
+    let key = arrival_keys[base + i];
+    return vec3<u32>(key.y, key.x, i);
+}
+
+fn store_element(base: u32, i: u32, e: Element) {
+    keys[base + i] = vec2<u32>(e.y, e.x);
+    sources[base + i] = e.z;
+}
+
+fn begin_long(base: u32, count: u32) {
+    for (var i = 0u; i < count; i++) {
+        keys[base + i] = arrival_keys[base + i];
+        sources[base + i] = i;
+    }
+}
+
+fn load_long(base: u32, i: u32) -> Element {
+    let key = keys[base + i];
+    return vec3<u32>(key.y, key.x, sources[base + i]);
+}
+
+fn store_long(base: u32, i: u32, e: Element) {
+    store_element(base, i, e);
+}

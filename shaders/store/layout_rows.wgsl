@@ -1,0 +1,30 @@
+//@ use common/frame
+// FragmentStore with a fixed row of k slots a pixel.
+
+// Layers stored in the low bits; the highest bit says that layers were dropped.
+@group(1) @binding(0) var<storage, read_write> pixel_table: array<u32>;
+
+struct StoreLayout {
+    // Slots a pixel.
+    k: u32,
+    // Slots in the whole store.
+    capacity: u32,
+}
+@group(1) @binding(1) var<uniform> store_layout: StoreLayout;
+
+fn layer_base(pixel: u32) -> u32 {
+    return pixel * store_layout.k;
+}
+
+fn layer_count(pixel: u32) -> u32 {
+    return pixel_table[pixel] & 0x7FFFFFFFu;
+}
+
+fn overflowed(pixel: u32) -> bool {
+    return (pixel_table[pixel] & 0x80000000u) != 0u;
+}
+
+// Slots of the pixel's bucket table.
+fn bucket_slots(pixel: u32) -> u32 {
+    return store_layout.k;
+}

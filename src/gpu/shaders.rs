@@ -1,0 +1,197 @@
+//! Shaders: files below `shaders/`, composed by their `//@ use` lines.
+//!
+//! WGSL does not care about the order of declarations, so composing is putting files one after another, each once. Variants
+//! are chosen by module: a pass names the file that declares `layer_base` for its store, or `best_candidate` for its search,
+//! and constants by a header. There is no conditional compilation inside a file.
+
+use std::collections::HashMap;
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::sync::{Arc, Mutex};
+
+use include_dir::{Dir, include_dir};
+
+use super::kernel::{self, Kernel, RasterKernel, RasterSpec, SharedLayouts};
+use super::{Gpu, GpuError};
+
+static FILES: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/shaders");
+
+/// A shader: root file, further modules, constants, generated text.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ShaderSpec {
+    /// Root file below `shaders/`, without `.wgsl`.
+    pub root: &'static str,
+    /// Further modules, without `.wgsl`.
+    pub modules: Vec<&'static str>,
+    /// Constants for the header, as WGSL literals.
+    pub constants: Vec<(&'static str, String)>,
+    /// Generated WGSL, put at the end.
+    pub generated: String,
+}
+
+impl ShaderSpec {
+    /// A shader of one file and what it uses.
+    pub fn new(root: &'static str) -> ShaderSpec {
+        ShaderSpec { root, ..ShaderSpec::default() }
+    }
+
+    /// Adds a module.
+    #[must_use]
+    pub fn with(mut self, module: &'static str) -> ShaderSpec {
+        self.modules.push(module);
+        self
+    }
+
+    /// Adds a constant.
+    #[must_use]
+    pub fn constant(mut self, name: &'static str, value: impl Into<String>) -> ShaderSpec {
+        self.constants.push((name, value.into()));
+        self
+    }
+}
+
+/// A composed shader and where each of its lines comes from.
+#[derive(Clone, Debug)]
+pub struct Composed {
+    /// WGSL.
+    pub text: String,
+    /// For each line: index into `files` and line in that file, from 1.
+    lines: Vec<(usize, u32)>,
+    files: Vec<String>,
+}
+
+impl Composed {
+    /// File and line that a line of the composed text (from 1) comes from.
+    pub fn origin(&self, line: u32) -> (&str, u32) {
+        match self.lines.get(line.saturating_sub(1) as usize) {
+            Some(&(file, line)) => (&self.files[file], line),
+            None => ("<generated>", line),
+        }
+    }
+
+    fn append(&mut self, file: &str, text: &str) {
+        let index = self.files.len();
+        self.files.push(file.to_owned());
+        for (number, line) in text.lines().enumerate() {
+            self.text.push_str(line);
+            self.text.push('\n');
+            self.lines.push((index, number as u32 + 1));
+        }
+    }
+}
+
+/// All shader files: path below `shaders/` and text.
+pub fn shader_files() -> Vec<(String, &'static str)> {
+    fn walk(dir: &'static Dir<'static>, all: &mut Vec<(String, &'static str)>) {
+        for file in dir.files() {
+            if let Some(text) = file.contents_utf8() {
+                all.push((file.path().to_string_lossy().into_owned(), text));
+            }
+        }
+        for dir in dir.dirs() {
+            walk(dir, all);
+        }
+    }
+    let mut all = Vec::new();
+    walk(&FILES, &mut all);
+    all.sort();
+    all
+}
+
+/// Puts a shader together.
+///
+/// # Errors
+/// [`GpuError::Shader`] if a file does not exist.
+pub fn compose(spec: &ShaderSpec) -> Result<Composed, GpuError> {
+    let mut composed = Composed { text: String::new(), lines: Vec::new(), files: Vec::new() };
+    let header: String = spec.constants.iter().map(|(name, value)| format!("const {name} = {value};\n")).collect();
+    composed.append("<constants>", &header);
+    let mut seen = Vec::new();
+    for file in std::iter::once(&spec.root).chain(&spec.modules) {
+        include(file, "<pass>", 0, &mut seen, &mut composed)?;
+    }
+    composed.append("<generated>", &spec.generated);
+    Ok(composed)
+}
+
+fn include(
+    module: &str,
+    from: &str,
+    line: u32,
+    seen: &mut Vec<String>,
+    composed: &mut Composed,
+) -> Result<(), GpuError> {
+    if seen.iter().any(|s| s == module) {
+        return Ok(());
+    }
+    seen.push(module.to_owned());
+    let file = format!("{module}.wgsl");
+    let text = FILES.get_file(&file).and_then(|f| f.contents_utf8()).ok_or_else(|| GpuError::Shader {
+        file: from.to_owned(),
+        line,
+        reason: format!("there is no module '{module}'"),
+    })?;
+    for (number, used) in text.lines().enumerate().filter_map(|(n, l)| Some((n, l.strip_prefix("//@ use ")?))) {
+        include(used.trim(), &file, number as u32 + 1, seen, composed)?;
+    }
+    composed.append(&file, text);
+    Ok(())
+}
+
+/// Compiled shaders, each once.
+pub struct Shaders {
+    gpu: Gpu,
+    /// Bind group layouts that passes share.
+    pub shared: SharedLayouts,
+    kernels: Mutex<HashMap<u64, Arc<Kernel>>>,
+    raster: Mutex<HashMap<u64, Arc<RasterKernel>>>,
+}
+
+fn key_of(parts: &[&str]) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    parts.hash(&mut hasher);
+    hasher.finish()
+}
+
+impl Shaders {
+    /// An empty cache.
+    pub fn new(gpu: &Gpu) -> Shaders {
+        Shaders {
+            gpu: gpu.clone(),
+            shared: SharedLayouts::new(gpu),
+            kernels: Mutex::default(),
+            raster: Mutex::default(),
+        }
+    }
+
+    /// The compute pipeline of an entry point.
+    ///
+    /// # Errors
+    /// [`GpuError::Shader`] if it does not compile.
+    pub fn kernel(&self, spec: &ShaderSpec, entry: &str) -> Result<Arc<Kernel>, GpuError> {
+        let composed = compose(spec)?;
+        let key = key_of(&[&composed.text, entry]);
+        let mut kernels = self.kernels.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        if let Some(kernel) = kernels.get(&key) {
+            return Ok(Arc::clone(kernel));
+        }
+        let kernel = Arc::new(kernel::compile_compute(&self.gpu, &self.shared, spec.root, &composed, entry)?);
+        kernels.insert(key, Arc::clone(&kernel));
+        Ok(kernel)
+    }
+
+    /// The render pipeline of a shader with `vertex_main` and `fragment_main`.
+    ///
+    /// # Errors
+    /// [`GpuError::Shader`] if it does not compile.
+    pub fn raster(&self, spec: &ShaderSpec, raster: &RasterSpec) -> Result<Arc<RasterKernel>, GpuError> {
+        let composed = compose(spec)?;
+        let key = key_of(&[&composed.text, &format!("{raster:?}")]);
+        let mut kernels = self.raster.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        if let Some(kernel) = kernels.get(&key) {
+            return Ok(Arc::clone(kernel));
+        }
+        let kernel = Arc::new(kernel::compile_raster(&self.gpu, &self.shared, spec.root, &composed, raster)?);
+        kernels.insert(key, Arc::clone(&kernel));
+        Ok(kernel)
+    }
+}

@@ -1,0 +1,219 @@
+//! Memory of a plan: buffers with their bytes, and the bands that keep every buffer within a binding.
+
+use serde::Serialize;
+
+use super::{Capabilities, Capture, FramePlan, Pass, Refusal, ViewStats};
+use crate::scene::SceneStats;
+use crate::settings::KeyFormat;
+
+/// A buffer that the frame needs.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PlannedBuffer {
+    /// Name of the variable that the shaders bind it to.
+    pub name: &'static str,
+    /// Size in bytes.
+    pub bytes: u64,
+    /// Whether the size is known; otherwise the GPU counts and this is an estimate.
+    pub exact: bool,
+}
+
+/// Rows of the image that are made in one go.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Band {
+    /// First row whose layers are captured (with apron).
+    pub first_row: u32,
+    /// One past the last captured row.
+    pub end_row: u32,
+    /// First row written to the image.
+    pub first_output_row: u32,
+    /// One past the last row written to the image.
+    pub end_output_row: u32,
+}
+
+/// Bytes of a column's element, by name, for the columns that a plan can have.
+fn columns(plan: &FramePlan) -> Vec<(&'static str, u64)> {
+    let (wide, compacted) = match plan.capture {
+        Capture::None => return Vec::new(),
+        Capture::Compacted => (true, true),
+        Capture::BucketedKBuffer { key, .. } => (key == KeyFormat::Wide64, false),
+    };
+    let mut all = vec![
+        ("keys", if wide { 8 } else { 4 }),
+        ("normals", 4),
+        ("colors", if wide { 8 } else { 4 }),
+        ("materials", 8),
+        ("lit", 8),
+    ];
+    if compacted {
+        all.extend([
+            ("arrival_keys", 8),
+            ("arrival_colors", 8),
+            ("arrival_surfaces", 8),
+            ("arrival_emissive", 4),
+            ("sources", 4),
+        ]);
+    }
+    if plan.runs(Pass::PartLookup) {
+        all.push(("parts", 4));
+    }
+    if plan.runs(Pass::ZReordering) {
+        all.extend([("by_part", 4), ("buckets", 8)]);
+    }
+    if plan.runs(Pass::NeighbourCandidates) {
+        all.push(("candidates", 8));
+    }
+    if plan.runs(Pass::NeighbourLinks) {
+        all.push(("links", 8));
+    }
+    if plan.runs(Pass::Curvature) {
+        all.push(("kappas", 4));
+    }
+    all
+}
+
+/// Largest element of any column, bytes: what limits the fragments of a band.
+pub(super) const WIDEST_COLUMN: u64 = 8;
+
+/// Layers a pixel that an estimate assumes when nothing is known: what the measured assemblies have over covered pixels.
+const LAYERS_EXPECTED: u64 = 9;
+
+/// Fills in buffers, apron and bands.
+pub(super) fn fill(
+    plan: &mut FramePlan,
+    _scene: &SceneStats,
+    view: &ViewStats,
+    capabilities: &Capabilities,
+) -> Result<(), Refusal> {
+    let [width, height] = plan.size;
+    let limit = capabilities.max_binding.min(capabilities.max_buffer);
+    let pixels = u64::from(width) * u64::from(height);
+    let image = PlannedBuffer { name: "image", bytes: 16 * pixels, exact: true };
+    let mut buffers = vec![image];
+    if plan.samples > 1 {
+        buffers.push(PlannedBuffer { name: "sums", bytes: 32 * pixels, exact: true });
+    }
+    match plan.capture {
+        Capture::None => {
+            buffers.push(PlannedBuffer { name: "opaque_colors", bytes: 8 * pixels, exact: true });
+            buffers.push(PlannedBuffer { name: "opaque_depth", bytes: 4 * pixels, exact: true });
+            plan.bands =
+                vec![Band { first_row: 0, end_row: height, first_output_row: 0, end_output_row: height }];
+        }
+        Capture::BucketedKBuffer { k, tail, .. } => {
+            // The tally has 8 bytes a pixel and the tail 24, which for small k is more than a column.
+            let row = |k: u32| u64::from(width) * (u64::from(k) * WIDEST_COLUMN).max(if tail { 24 } else { 8 });
+            let rows = limit / row(k);
+            let needed = 1 + 2 * u64::from(plan.apron);
+            if rows < needed.min(u64::from(height)) {
+                let fits = (1..k).rev().find(|&k| limit / row(k) >= needed);
+                return Err(Refusal::RowTooLarge { k, width, rows: needed, bytes: needed * row(k), limit, fits });
+            }
+            plan.bands = equal_bands(height, rows, plan.apron);
+            let band_pixels =
+                plan.bands.iter().map(|b| b.end_row - b.first_row).max().unwrap_or(0) as u64 * u64::from(width);
+            let slots = band_pixels * u64::from(k);
+            buffers.extend(
+                columns(plan).into_iter().map(|(name, b)| PlannedBuffer { name, bytes: b * slots, exact: true }),
+            );
+            buffers.push(PlannedBuffer { name: "pixel_table", bytes: 4 * band_pixels, exact: true });
+            buffers.push(PlannedBuffer { name: "tally", bytes: 8 * band_pixels, exact: true });
+            if tail {
+                buffers.push(PlannedBuffer { name: "tail", bytes: 24 * band_pixels, exact: true });
+            }
+        }
+        Capture::Compacted => {
+            let fragments = view.fragments.unwrap_or(LAYERS_EXPECTED * pixels);
+            let bands = (fragments * WIDEST_COLUMN).div_ceil(limit).max(1);
+            plan.bands = equal_bands(
+                height,
+                (u64::from(height) / bands).max(1) + 2 * u64::from(plan.apron),
+                plan.apron,
+            );
+            let in_band = fragments.min(limit / WIDEST_COLUMN);
+            let exact = false;
+            buffers.extend(
+                columns(plan).into_iter().map(|(name, b)| PlannedBuffer { name, bytes: b * in_band, exact }),
+            );
+            buffers.push(PlannedBuffer { name: "pixel_table", bytes: 4 * (pixels + 1), exact: true });
+            buffers.push(PlannedBuffer { name: "cursors", bytes: 4 * pixels, exact: true });
+        }
+    }
+    plan.buffers = buffers;
+    Ok(())
+}
+
+/// Bands of at most `rows` captured rows each (apron included).
+fn equal_bands(height: u32, rows: u64, apron: u32) -> Vec<Band> {
+    if rows >= u64::from(height) {
+        return vec![Band { first_row: 0, end_row: height, first_output_row: 0, end_output_row: height }];
+    }
+    let own = (rows - 2 * u64::from(apron)).max(1) as u32;
+    (0..height)
+        .step_by(own as usize)
+        .map(|first| band_around(first, height.min(first + own), height, apron))
+        .collect()
+}
+
+fn band_around(first: u32, end: u32, height: u32, apron: u32) -> Band {
+    Band {
+        first_row: first.saturating_sub(apron),
+        end_row: (end + apron).min(height),
+        first_output_row: first,
+        end_output_row: end,
+    }
+}
+
+/// Cuts the image into bands so that none captures more than `most` fragments, from the counted fragments of each row.
+///
+/// A band has at least one row; if one row with its apron alone exceeds `most`, the row and its count are the error.
+///
+/// # Errors
+/// `(row, fragments)` of the first row that does not fit.
+pub fn bands_of_rows(row_fragments: &[u64], apron: u32, most: u64) -> Result<Vec<Band>, (u32, u64)> {
+    let height = row_fragments.len() as u32;
+    let sum = |band: &Band| -> u64 { row_fragments[band.first_row as usize..band.end_row as usize].iter().sum() };
+    let mut bands = Vec::new();
+    let mut first = 0;
+    while first < height {
+        let mut end = height;
+        let mut band = band_around(first, end, height, apron);
+        while sum(&band) > most {
+            let rows = end - first;
+            if rows == 1 {
+                return Err((first, sum(&band)));
+            }
+            // Aim at what the mean row allows, and at least one row less.
+            let guess = (u64::from(rows) * most / sum(&band).max(1)) as u32;
+            end = first + guess.clamp(1, rows - 1);
+            band = band_around(first, end, height, apron);
+        }
+        bands.push(band);
+        first = end;
+    }
+    Ok(bands)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bands_cover_every_row_once_and_fit() {
+        let rows: Vec<u64> = (0..97).map(|r| 100 + 37 * (r % 11)).collect();
+        for apron in [0, 1, 5] {
+            let bands = bands_of_rows(&rows, apron, 6000).unwrap();
+            assert!(bands.len() > 1);
+            assert_eq!(bands[0].first_output_row, 0);
+            assert_eq!(bands.last().unwrap().end_output_row, 97);
+            for pair in bands.windows(2) {
+                assert_eq!(pair[0].end_output_row, pair[1].first_output_row);
+            }
+            for b in &bands {
+                assert!(rows[b.first_row as usize..b.end_row as usize].iter().sum::<u64>() <= 6000);
+                assert_eq!(b.first_row, b.first_output_row.saturating_sub(apron));
+            }
+        }
+        assert_eq!(bands_of_rows(&[10, 99, 10], 0, 50), Err((1, 99)));
+        assert_eq!(bands_of_rows(&[0; 4], 3, 1).unwrap().len(), 1);
+    }
+}

@@ -1,0 +1,580 @@
+//! The plan of a frame, as data: which passes run and why, which do not and why not, what memory they take.
+//!
+//! [`plan`] is a pure function of settings, scene, view and adapter, tested without a GPU. The renderer executes exactly the
+//! passes of a [`FramePlan`], in order; a pass that is not in it allocates nothing and dispatches nothing. *Simulate only the
+//! effects a scene calls for* lives here: constant functions need no neighbours, opaque surfaces need no capture.
+
+mod memory;
+mod report;
+
+use serde::Serialize;
+
+pub use memory::{Band, PlannedBuffer, bands_of_rows};
+
+use crate::math::Camera;
+use crate::scene::SceneStats;
+use crate::settings::{
+    CaptureKind, CurvatureUnit, DepthQuantization, KeyFormat, NeighbourSearch, OpacityModel, Settings, Tail,
+};
+use crate::transfer::TransferFunction;
+
+/// Everything that can run in a frame, in the order in which it would.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Pass {
+    /// Nearest surfaces by the depth test, lit at once.
+    Opaque,
+    /// Brings the opaque pass's colours into the image.
+    ShowOpaque,
+    /// Empties the k-buffer's rows.
+    Clear,
+    /// The k nearest keys of every pixel (Murray 2016, step 1).
+    ZInsertion,
+    /// Layers stored, merged, dropped.
+    CountLayers,
+    /// Fragments of every pixel.
+    Count,
+    /// Where each pixel's layers begin.
+    PrefixSum,
+    /// Keys and surfaces in order of arrival.
+    Append,
+    /// Order by depth.
+    Sort,
+    /// Surfaces in that order.
+    Gather,
+    /// The part of every layer.
+    PartLookup,
+    /// Layers by part (Murray 2016, step 2).
+    ZReordering,
+    /// Hash table of parts (Murray 2016, step 3).
+    BucketCreation,
+    /// Surfaces of the stored keys (Murray 2016, step 4).
+    DataStorage,
+    /// Best candidate in each direction.
+    NeighbourCandidates,
+    /// Reverse check.
+    NeighbourLinks,
+    /// Curvature.
+    Curvature,
+    /// Light.
+    Shade,
+    /// Colour and opacity by transfer functions.
+    Stylize,
+    /// Composition.
+    Blend,
+    /// Average of jittered frames.
+    Accumulate,
+}
+
+impl Pass {
+    /// All passes, in order.
+    pub const ALL: [Pass; 21] = [
+        Pass::Opaque,
+        Pass::ShowOpaque,
+        Pass::Clear,
+        Pass::ZInsertion,
+        Pass::CountLayers,
+        Pass::Count,
+        Pass::PrefixSum,
+        Pass::Append,
+        Pass::Sort,
+        Pass::Gather,
+        Pass::PartLookup,
+        Pass::ZReordering,
+        Pass::BucketCreation,
+        Pass::DataStorage,
+        Pass::NeighbourCandidates,
+        Pass::NeighbourLinks,
+        Pass::Curvature,
+        Pass::Shade,
+        Pass::Stylize,
+        Pass::Blend,
+        Pass::Accumulate,
+    ];
+
+    /// Name as in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Pass::Opaque => "opaque",
+            Pass::ShowOpaque => "show opaque",
+            Pass::Clear => "clear",
+            Pass::ZInsertion => "z insertion",
+            Pass::CountLayers => "count layers",
+            Pass::Count => "count",
+            Pass::PrefixSum => "prefix sum",
+            Pass::Append => "append",
+            Pass::Sort => "sort",
+            Pass::Gather => "gather",
+            Pass::PartLookup => "part lookup",
+            Pass::ZReordering => "z reordering",
+            Pass::BucketCreation => "bucket creation",
+            Pass::DataStorage => "data storage",
+            Pass::NeighbourCandidates => "neighbour candidates",
+            Pass::NeighbourLinks => "neighbour links",
+            Pass::Curvature => "curvature",
+            Pass::Shade => "shade",
+            Pass::Stylize => "stylize",
+            Pass::Blend => "blend",
+            Pass::Accumulate => "accumulate",
+        }
+    }
+}
+
+/// What a plan may assume of the adapter.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Capabilities {
+    /// Largest storage buffer binding, bytes.
+    pub max_binding: u64,
+    /// Largest buffer, bytes.
+    pub max_buffer: u64,
+    /// Largest width or height of an image.
+    pub max_texture: u32,
+    /// Storage buffers that one stage may bind.
+    pub max_storage_buffers: u32,
+    /// Atomic minimum on 64-bit integers that returns the old value.
+    pub atomic_min_64: bool,
+}
+
+impl Default for Capabilities {
+    /// What WebGPU guarantees.
+    fn default() -> Capabilities {
+        Capabilities {
+            max_binding: 128 << 20,
+            max_buffer: 256 << 20,
+            max_texture: 8192,
+            max_storage_buffers: 8,
+            atomic_min_64: false,
+        }
+    }
+}
+
+/// What a plan may assume of the view: what the camera shows, and what the last frame of it measured.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct ViewStats {
+    /// Visible height at the focal point, scene units.
+    pub visible_height: f64,
+    /// Fragments that the last frame rasterized, if there was one.
+    pub fragments: Option<u64>,
+}
+
+impl ViewStats {
+    /// What is known before the first frame.
+    pub fn of(camera: &Camera) -> ViewStats {
+        ViewStats { visible_height: camera.visible_height(), fragments: None }
+    }
+}
+
+/// A pass that runs, and why.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PlannedPass {
+    /// Which.
+    pub pass: Pass,
+    /// Why it runs.
+    pub reason: String,
+}
+
+/// An effect that does not run, and why not.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Skipped {
+    /// What would have run.
+    pub what: &'static str,
+    /// Why it does not.
+    pub reason: String,
+}
+
+/// Which capture fills the store.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case", tag = "kind")]
+pub enum Capture {
+    /// Nothing is captured.
+    None,
+    /// The k nearest layers.
+    BucketedKBuffer {
+        /// Slots a pixel.
+        k: u32,
+        /// Key format.
+        key: KeyFormat,
+        /// Depth of packed keys.
+        depth: DepthQuantization,
+        /// Whether the tail is kept.
+        tail: bool,
+    },
+    /// Every layer.
+    Compacted,
+}
+
+impl Capture {
+    /// Whether keys hold triangle numbers (and not shape ids).
+    pub fn is_wide(self) -> bool {
+        !matches!(self, Capture::BucketedKBuffer { key: KeyFormat::Packed32, .. })
+    }
+}
+
+/// The features of a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Features {
+    /// How neighbours are searched.
+    pub search: NeighbourSearch,
+    /// Whether a neighbour must see the layer as its own.
+    pub reverse_check: bool,
+    /// Steps along the links over which curvature is estimated.
+    pub radius: u32,
+    /// Steps of the walk: the radius, or as far as lines are wide.
+    pub reach: u32,
+    /// Width of rims and creases, pixels, at least 1.
+    pub line: f64,
+    /// Sensitivity times unit of length; for [`CurvatureUnit::Part`] the sensitivity alone.
+    pub scale: f64,
+    /// Whether the unit is the part's radius.
+    pub scale_by_part: bool,
+}
+
+/// What happens to the image after the store is lit.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case", tag = "kind")]
+pub enum Opacity {
+    /// The same for every layer.
+    Constant {
+        /// Multiplies the material's own opacity.
+        alpha: f64,
+    },
+    /// Transfer functions that do not vary with curvature.
+    Depth,
+    /// Transfer functions over curvature.
+    Curvature,
+}
+
+/// A frame, ready to be executed.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FramePlan {
+    /// Width and height of the image, pixels.
+    pub size: [u32; 2],
+    /// Frames averaged.
+    pub samples: u32,
+    /// How fragments are captured.
+    pub capture: Capture,
+    /// Features, if any opacity needs them.
+    pub features: Option<Features>,
+    /// Opacity of the layers.
+    pub opacity: Opacity,
+    /// What runs, in order.
+    pub passes: Vec<PlannedPass>,
+    /// What does not.
+    pub skipped: Vec<Skipped>,
+    /// Memory.
+    pub buffers: Vec<PlannedBuffer>,
+    /// Rows above and below a band that it needs besides its own.
+    pub apron: u32,
+    /// The bands, from top to bottom. For [`Capture::Compacted`] they are an estimate: the count decides.
+    pub bands: Vec<Band>,
+}
+
+impl FramePlan {
+    /// Whether a pass runs.
+    pub fn runs(&self, pass: Pass) -> bool {
+        self.passes.iter().any(|p| p.pass == pass)
+    }
+
+    /// Sum of all buffers, bytes.
+    pub fn total_bytes(&self) -> u64 {
+        self.buffers.iter().map(|b| b.bytes).sum()
+    }
+}
+
+/// Why a frame cannot be drawn as asked: what was asked, what the limit is, and what would fit.
+#[derive(Debug, thiserror::Error, PartialEq)]
+pub enum Refusal {
+    /// The image is larger than the adapter's textures.
+    #[error("an image of {width}x{height} pixels was asked for; this adapter's largest is {limit}x{limit}")]
+    ImageTooLarge {
+        /// Width asked for.
+        width: u32,
+        /// Height asked for.
+        height: u32,
+        /// Largest edge.
+        limit: u32,
+    },
+    /// An image without pixels.
+    #[error("an image of {width}x{height} pixels has no pixels; both sides must be at least 1")]
+    EmptyImage {
+        /// Width asked for.
+        width: u32,
+        /// Height asked for.
+        height: u32,
+    },
+    /// The packed key's shape id has 16 bits (T4).
+    #[error(
+        "{parts} parts were asked for with the packed 32-bit key, whose shape id numbers at most 65535; \
+         capture.bucketed_k_buffer.key = wide64 has no such limit"
+    )]
+    TooManyParts {
+        /// Parts of the scene.
+        parts: u64,
+    },
+    /// The wide key needs 64-bit atomics.
+    #[error(
+        "the Bucketed k-Buffer with the wide key was asked for; this adapter has no atomic minimum on 64-bit integers \
+         that returns the old value. capture.kind = compacted gives the same picture; \
+         capture.bucketed_k_buffer.key = packed32 also runs"
+    )]
+    NoAtomics64,
+    /// Not even one row of pixels fits a binding.
+    #[error(
+        "k = {k} at a width of {width} needs {bytes} bytes for the {rows} rows of the smallest band; a binding holds \
+         {limit}. {}", fits.map(|k| format!("k = {k} fits")).unwrap_or_else(|| "a smaller image or curvature radius is needed".to_owned())
+    )]
+    RowTooLarge {
+        /// Slots asked for.
+        k: u32,
+        /// Width of the image.
+        width: u32,
+        /// Rows of the smallest band.
+        rows: u64,
+        /// Bytes needed.
+        bytes: u64,
+        /// Bytes that a binding holds.
+        limit: u64,
+        /// The largest k that fits.
+        fits: Option<u32>,
+    },
+    /// The adapter binds fewer storage buffers than a pass declares.
+    #[error("a pass binds {needed} storage buffers; this adapter allows {limit} in one stage")]
+    TooFewBindings {
+        /// Storage buffers needed.
+        needed: u32,
+        /// Storage buffers allowed.
+        limit: u32,
+    },
+    /// The transfer functions could not be read.
+    #[error("{0}")]
+    Transfer(String),
+}
+
+/// Storage buffers that the largest pass binds.
+const STORAGE_BUFFERS: u32 = 8;
+
+/// Plans a frame.
+///
+/// # Errors
+/// A [`Refusal`] says what was asked, what the limit is, and what would fit.
+pub fn plan(
+    settings: &Settings,
+    transfer: &TransferFunction,
+    scene: &SceneStats,
+    view: &ViewStats,
+    capabilities: &Capabilities,
+    size: [u32; 2],
+) -> Result<FramePlan, Refusal> {
+    let [width, height] = size;
+    if width == 0 || height == 0 {
+        return Err(Refusal::EmptyImage { width, height });
+    }
+    if width > capabilities.max_texture || height > capabilities.max_texture {
+        return Err(Refusal::ImageTooLarge { width, height, limit: capabilities.max_texture });
+    }
+    if capabilities.max_storage_buffers < STORAGE_BUFFERS {
+        return Err(Refusal::TooFewBindings { needed: STORAGE_BUFFERS, limit: capabilities.max_storage_buffers });
+    }
+    let opacity = choose_opacity(settings, transfer);
+    let mut draft = Draft { passes: Vec::new(), skipped: Vec::new() };
+    let all_opaque = opacity == (Opacity::Constant { alpha: 1.0 }) && scene.blended_materials == 0;
+    let capture = if all_opaque {
+        draft.run(Pass::Opaque, "every surface is opaque: only the nearest can be seen");
+        draft.run(Pass::ShowOpaque, "the opaque pass draws into a target of its own");
+        draft.skip("capture", "every surface is opaque");
+        draft.skip("neighbours, curvature", "every surface is opaque and the colour is not modulated");
+        Capture::None
+    } else {
+        choose_capture(settings, scene, capabilities)?
+    };
+    let features = (opacity == Opacity::Curvature).then(|| choose_features(settings, scene, view, size, &mut draft));
+    if capture != Capture::None {
+        plan_layers(&mut draft, settings, scene, capture, features, opacity);
+    }
+    if settings.image.samples > 1 {
+        draft.run(Pass::Accumulate, format!("{} jittered frames are averaged", settings.image.samples));
+    } else {
+        draft.skip("accumulate", "one sample a pixel");
+    }
+    let apron = features.map_or(0, |f| f.reach.max(1));
+    let mut plan = FramePlan {
+        size,
+        samples: settings.image.samples,
+        capture,
+        features,
+        opacity,
+        passes: draft.passes,
+        skipped: draft.skipped,
+        buffers: Vec::new(),
+        apron,
+        bands: Vec::new(),
+    };
+    memory::fill(&mut plan, scene, view, capabilities)?;
+    Ok(plan)
+}
+
+struct Draft {
+    passes: Vec<PlannedPass>,
+    skipped: Vec<Skipped>,
+}
+
+impl Draft {
+    fn run(&mut self, pass: Pass, reason: impl Into<String>) {
+        self.passes.push(PlannedPass { pass, reason: reason.into() });
+    }
+
+    fn skip(&mut self, what: &'static str, reason: impl Into<String>) {
+        self.skipped.push(Skipped { what, reason: reason.into() });
+    }
+}
+
+fn choose_opacity(settings: &Settings, transfer: &TransferFunction) -> Opacity {
+    match settings.opacity.model {
+        OpacityModel::Opaque => Opacity::Constant { alpha: 1.0 },
+        OpacityModel::Constant => Opacity::Constant { alpha: settings.opacity.constant },
+        OpacityModel::Curvature => {
+            if transfer.depends_on_curvature() {
+                Opacity::Curvature
+            } else if let (true, Some(alpha)) = (transfer.color.is_neutral(), transfer.opacity.constant()) {
+                Opacity::Constant { alpha: (alpha * settings.opacity.gain).clamp(0.0, 1.0) }
+            } else {
+                Opacity::Depth
+            }
+        }
+    }
+}
+
+fn choose_capture(
+    settings: &Settings,
+    scene: &SceneStats,
+    capabilities: &Capabilities,
+) -> Result<Capture, Refusal> {
+    match settings.capture.kind {
+        CaptureKind::Compacted => Ok(Capture::Compacted),
+        CaptureKind::BucketedKBuffer => {
+            let s = &settings.capture.bucketed_k_buffer;
+            match s.key {
+                // Shape id 65535 with depth 65535 would be the empty slot; depth stops at 65534, so every id is legal.
+                KeyFormat::Packed32 if scene.parts > 65_535 => Err(Refusal::TooManyParts { parts: scene.parts }),
+                KeyFormat::Wide64 if !capabilities.atomic_min_64 => Err(Refusal::NoAtomics64),
+                key => Ok(Capture::BucketedKBuffer {
+                    k: s.k,
+                    key,
+                    depth: s.depth,
+                    tail: s.tail == Tail::Average,
+                }),
+            }
+        }
+    }
+}
+
+fn choose_features(
+    settings: &Settings,
+    scene: &SceneStats,
+    view: &ViewStats,
+    size: [u32; 2],
+    draft: &mut Draft,
+) -> Features {
+    let c = &settings.features.curvature;
+    let shorter = f64::from(size[0].min(size[1]));
+    let radius = (c.radius * shorter).round().max(1.0) as u32;
+    let line = (c.line_width * shorter).max(1.0);
+    let search = if scene.parts <= 1 && settings.features.neighbours == NeighbourSearch::Buckets {
+        draft.skip("buckets", "the scene has one part: every layer is in the same bucket");
+        NeighbourSearch::BruteForce
+    } else {
+        settings.features.neighbours
+    };
+    let (unit, scale_by_part) = match c.unit {
+        CurvatureUnit::View => (view.visible_height, false),
+        CurvatureUnit::Scene => (scene.radius(), false),
+        CurvatureUnit::World => (1.0, false),
+        CurvatureUnit::Part => (1.0, true),
+    };
+    Features {
+        search,
+        reverse_check: settings.features.reverse_check,
+        radius,
+        reach: radius.max(line.ceil() as u32),
+        line,
+        scale: c.scale * unit,
+        scale_by_part,
+    }
+}
+
+fn plan_layers(
+    draft: &mut Draft,
+    settings: &Settings,
+    scene: &SceneStats,
+    capture: Capture,
+    features: Option<Features>,
+    opacity: Opacity,
+) {
+    let transparent = if scene.blended_materials > 0 && opacity == (Opacity::Constant { alpha: 1.0 }) {
+        format!("{} materials blend", scene.blended_materials)
+    } else {
+        "layers are transparent".to_owned()
+    };
+    let buckets = features.is_some_and(|f| f.search == NeighbourSearch::Buckets);
+    let bucket_passes = |draft: &mut Draft| {
+        draft.run(Pass::ZReordering, "buckets group a pixel's layers by part");
+        draft.run(Pass::BucketCreation, "the neighbour search reads only the bucket of the same part");
+    };
+    match capture {
+        Capture::None => {}
+        Capture::BucketedKBuffer { k, .. } => {
+            draft.run(Pass::Clear, "the rows hold the last frame");
+            draft.run(Pass::ZInsertion, format!("{transparent}: the {k} nearest of each pixel are kept"));
+            draft.run(Pass::CountLayers, "what was stored, merged and dropped is reported");
+            if features.is_some() {
+                draft.run(Pass::PartLookup, "neighbours belong to the same part");
+            }
+            if buckets {
+                bucket_passes(draft);
+            } else {
+                draft.skip("z reordering, bucket creation", "nothing searches by part");
+            }
+            draft.run(Pass::DataStorage, "the surfaces of the stored keys");
+        }
+        Capture::Compacted => {
+            draft.run(Pass::Count, format!("{transparent}: every layer is kept"));
+            draft.run(Pass::PrefixSum, "where each pixel's layers begin");
+            draft.run(Pass::Append, "keys and surfaces as they come");
+            draft.run(Pass::Sort, "by depth, then by triangle number");
+            draft.run(Pass::Gather, "surfaces in the order of the sort");
+            if features.is_some() {
+                draft.run(Pass::PartLookup, "neighbours belong to the same part");
+            }
+            if buckets {
+                bucket_passes(draft);
+            } else {
+                draft.skip("z reordering, bucket creation", "nothing searches by part");
+            }
+        }
+    }
+    if let Some(f) = features {
+        draft.run(Pass::NeighbourCandidates, "curvature needs neighbours");
+        if f.reverse_check {
+            draft.run(Pass::NeighbourLinks, "a neighbour must see the layer as its own (Murray 2016, Figure 5)");
+        } else {
+            draft.skip("neighbour links", "features.reverse_check is off");
+        }
+        draft.run(Pass::Curvature, "a transfer function varies with curvature");
+    } else {
+        draft.skip(
+            "neighbours, curvature",
+            match settings.opacity.model {
+                OpacityModel::Curvature => "no transfer function varies with curvature",
+                OpacityModel::Constant => "opacity is constant",
+                OpacityModel::Opaque => "opacity does not depend on curvature",
+            },
+        );
+    }
+    draft.run(Pass::Shade, "every stored layer is lit once");
+    match opacity {
+        Opacity::Curvature => draft.run(Pass::Stylize, "colour and opacity follow curvature and depth"),
+        Opacity::Depth => draft.run(Pass::Stylize, "opacity follows depth"),
+        Opacity::Constant { .. } => draft.skip("stylize", "opacity is the same for all layers"),
+    }
+    draft.run(Pass::Blend, "the layers of each pixel over each other");
+}
