@@ -7,6 +7,8 @@
 mod bounds;
 mod camera;
 pub mod color;
+mod lights;
 
 pub use bounds::{Bounds, Sphere};
 pub use camera::{Camera, Projection, ViewFrustum};
+pub use lights::{DirectionalLight, Hemisphere, LightLevels, LightRig};
