@@ -6,7 +6,6 @@
 
 struct ShadeParameters {
     lights: Lights,
-    exposure: vec4<f32>,
 }
 
 @group(1) @binding(13) var<uniform> parameters: ShadeParameters;

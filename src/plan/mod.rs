@@ -14,7 +14,8 @@ pub use memory::{Band, PlannedBuffer, bands_of_rows};
 use crate::math::Camera;
 use crate::scene::SceneStats;
 use crate::settings::{
-    CaptureKind, CurvatureUnit, DepthQuantization, KeyFormat, NeighbourSearch, OpacityModel, Settings, Tail,
+    CaptureKind, CurvatureUnit, DepthQuantization, KeyFormat, NeighbourSearch, NormalEncoding, OpacityModel, Settings,
+    Tail,
 };
 use crate::transfer::TransferFunction;
 
@@ -253,6 +254,8 @@ pub struct FramePlan {
     pub samples: u32,
     /// How fragments are captured.
     pub capture: Capture,
+    /// How normals are stored.
+    pub normals: NormalEncoding,
     /// Features, if any opacity needs them.
     pub features: Option<Features>,
     /// Opacity of the layers.
@@ -401,6 +404,7 @@ pub fn plan(
         size,
         samples: settings.image.samples,
         capture,
+        normals: settings.capture.normals,
         features,
         opacity,
         passes: draft.passes,
@@ -435,8 +439,8 @@ fn choose_opacity(settings: &Settings, transfer: &TransferFunction) -> Opacity {
         OpacityModel::Curvature => {
             if transfer.depends_on_curvature() {
                 Opacity::Curvature
-            } else if let (true, Some(alpha)) = (transfer.color.is_neutral(), transfer.opacity.constant()) {
-                Opacity::Constant { alpha: (alpha * settings.opacity.gain).clamp(0.0, 1.0) }
+            } else if let (true, Some(alpha)) = (transfer.color.constant() == Some([0.5; 3]), transfer.opacity.constant()) {
+                Opacity::Constant { alpha: (f64::from(alpha) * settings.opacity.gain).clamp(0.0, 1.0) }
             } else {
                 Opacity::Depth
             }

@@ -1,0 +1,95 @@
+//! Capture `BucketedKBuffer`: the k nearest layers of every pixel, bucketed by part (Murray, Baril, Granier 2016).
+//!
+//! The paper's four steps, each a pass: Z insertion (a geometry pass with a chain of atomic minima), Z reordering by shape id,
+//! bucket creation, data storage (a second geometry pass that finds its slot by bucket and binary search). Steps 2 and 3 are
+//! in [`super::buckets`], since they serve every capture; they are planned only where something searches by part, and data
+//! storage then searches the depth-ordered row instead.
+//!
+//! Where we differ:
+//! - `Wide64`, the default key: 32-bit depth over the instanced-triangle number. No two keys of a pixel are equal, so no
+//!   fragment is lost to another and the result does not depend on draw order (T1, T2, T27). `Packed32` is the paper's
+//!   (16-bit depth, 16-bit shape id); its equal keys merge, and are counted.
+//! - The books balance: rasterized = stored + merged + dropped, counted on the GPU (T3, T5).
+//! - Captures are unlit; light falls once on every stored layer, later.
+//! - The row stays in depth order; the reordering is kept beside it.
+//!
+//! Memory a slot: 8 (4) bytes key, 4 normal, 8 (4) colour, 8 material and emission, in parentheses for `Packed32`; the
+//! paper's 128 bits are key, bucket, colour and normal. What overflows k is counted and left out, or averaged (tail).
+
+use crate::gpu::{GpuError, ShaderSpec};
+use crate::passes::geometry::{GpuScene, Vertices, draw};
+use crate::passes::store::{StoreModules, packed_depth};
+use crate::passes::Context;
+use crate::plan::{Capture, Pass};
+
+fn is_wide(context: &Context<'_>) -> bool {
+    context.plan.capture.is_wide()
+}
+
+fn with_packed_depth(spec: ShaderSpec, capture: Capture) -> ShaderSpec {
+    match capture {
+        Capture::BucketedKBuffer { depth, .. } if !capture.is_wide() => {
+            spec.constant("PACKED_DEPTH", packed_depth(depth))
+        }
+        _ => spec,
+    }
+}
+
+/// Empties the rows and the counters.
+///
+/// # Errors
+/// [`GpuError`] of the device.
+pub fn clear(context: &mut Context<'_>) -> Result<(), GpuError> {
+    let words = if is_wide(context) { "2u" } else { "1u" };
+    let spec = ShaderSpec::new("passes/capture/bucketed_k_buffer/clear").constant("KEY_WORDS", words);
+    context.per_row_run(Pass::Clear, &spec, "main")
+}
+
+/// Step 1, a geometry pass: the k nearest keys of every pixel.
+///
+/// # Errors
+/// [`GpuError`] of the device.
+pub fn z_insertion(context: &mut Context<'_>, scene: &GpuScene) -> Result<(), GpuError> {
+    let capture = context.plan.capture;
+    let key = if capture.is_wide() {
+        "passes/capture/bucketed_k_buffer/atomic_key_wide64"
+    } else {
+        "passes/capture/bucketed_k_buffer/atomic_key_packed32"
+    };
+    draw(context, scene, Pass::ZInsertion, Vertices::Depth, &|spec| {
+        with_packed_depth(spec.with("passes/capture/bucketed_k_buffer/z_insertion").with(key), capture)
+    })
+}
+
+/// Closes the books: layers of each pixel and the totals.
+///
+/// # Errors
+/// [`GpuError`] of the device.
+pub fn count_layers(context: &mut Context<'_>) -> Result<(), GpuError> {
+    let spec = ShaderSpec::new("passes/capture/bucketed_k_buffer/count_layers");
+    context.per_row_run(Pass::CountLayers, &spec, "main")
+}
+
+/// Step 4, a geometry pass: the surfaces of the stored keys.
+///
+/// # Errors
+/// [`GpuError`] of the device.
+pub fn data_storage(context: &mut Context<'_>, scene: &GpuScene) -> Result<(), GpuError> {
+    let modules = StoreModules::of(context.plan);
+    let key = if is_wide(context) {
+        "passes/capture/bucketed_k_buffer/search_key_wide64"
+    } else {
+        "passes/capture/bucketed_k_buffer/search_key_packed32"
+    };
+    let slot = if context.plan.runs(Pass::BucketCreation) {
+        "passes/capture/bucketed_k_buffer/slot_by_bucket"
+    } else {
+        "passes/capture/bucketed_k_buffer/slot_by_depth"
+    };
+    let capture = context.plan.capture;
+    draw(context, scene, Pass::DataStorage, Vertices::Surface, &|spec| {
+        let spec = spec.with("passes/capture/bucketed_k_buffer/data_storage").with(key).with(slot);
+        let spec = spec.with("passes/capture/bucketed_k_buffer/tail_none");
+        with_packed_depth(modules.colors(modules.normals(spec)), capture)
+    })
+}

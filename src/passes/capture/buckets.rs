@@ -1,0 +1,67 @@
+//! Buckets over any capture: Z reordering by shape id and bucket creation (Murray 2016, section 4.1, steps 2 and 3).
+//!
+//! Where the paper reorders the row itself, ours keeps the row in depth order and the (part, depth) order beside it
+//! (`by_part`), so that composition needs no second sort. A pixel's bucket table has as many slots as the pixel has room for
+//! layers (k, or its own count), H(part) = part mod slots, with linear probing that wraps and ends after one round (T6).
+//! Memory a layer: 4 bytes for the part, 4 for the order, 8 for the table.
+
+use super::sort;
+use crate::gpu::{GpuError, ShaderSpec};
+use crate::passes::Context;
+use crate::passes::store::StoreModules;
+use crate::plan::{Capture, Pass};
+
+/// Fills the part column.
+///
+/// # Errors
+/// [`GpuError`] of the device.
+pub fn part_lookup(context: &mut Context<'_>) -> Result<(), GpuError> {
+    let modules = StoreModules::of(context.plan);
+    let part_of = if context.plan.capture.is_wide() {
+        "passes/buckets/part_of_wide64"
+    } else {
+        "passes/buckets/part_of_packed32"
+    };
+    let spec = modules.keys(modules.layout(ShaderSpec::new("passes/buckets/part_lookup").with(part_of)));
+    context.per_pixel(Pass::PartLookup, &spec, "main")
+}
+
+/// Sorts the layers of every pixel by (part, depth).
+///
+/// # Errors
+/// [`GpuError`] of the device.
+pub fn z_reordering(context: &mut Context<'_>) -> Result<(), GpuError> {
+    let modules = StoreModules::of(context.plan);
+    let elements = || modules.layout(ShaderSpec::new("passes/sort/elements_by_part"));
+    match context.plan.capture {
+        Capture::BucketedKBuffer { k, .. } => {
+            for class in 0..=k.next_power_of_two().trailing_zeros() {
+                context.per_pixel(Pass::ZReordering, &sort::with_network(elements(), class), "main")?;
+            }
+        }
+        Capture::Compacted | Capture::None => {
+            let arguments = context.resources.require("z reordering", "sort_arguments")?.clone();
+            for class in 0..=sort::LARGEST_CLASS {
+                let spec = if class == sort::LARGEST_CLASS {
+                    sort::with_long_lists(elements())
+                } else {
+                    sort::with_network(elements(), class)
+                };
+                let kernel = context.shaders.kernel(&spec, "main")?;
+                let at = (&arguments, u64::from(class) * 12);
+                context.recorder.compute_indirect(Pass::ZReordering, &kernel, &context.frame, context.resources, at)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Builds the bucket table of every pixel.
+///
+/// # Errors
+/// [`GpuError`] of the device.
+pub fn bucket_creation(context: &mut Context<'_>) -> Result<(), GpuError> {
+    let modules = StoreModules::of(context.plan);
+    let spec = modules.layout(ShaderSpec::new("passes/buckets/bucket_creation"));
+    context.per_pixel(Pass::BucketCreation, &spec, "main")
+}

@@ -1,0 +1,86 @@
+//! Capture `Compacted`: count, prefix sum, append, sort. Ours; exact, no layer limit, and the default.
+//!
+//! One geometry pass counts the fragments of each pixel, a prefix sum turns counts into offsets, a second geometry pass
+//! appends key and surface to its pixel's run in whatever order fragments come, and a sort by (depth, triangle number) puts
+//! them in an order that depends on nothing but the scene and the view (T27). Against a chain of atomic minima it costs about
+//! a quarter on a CPU rasterizer, and memory follows what is really there: 68 bytes a fragment, half of which is the arrival
+//! buffer, instead of k slots in every pixel.
+//!
+//! The number of fragments is known only after counting. A picture whose fragments do not fit one binding is made in bands.
+
+use super::sort;
+use crate::gpu::{GpuError, ShaderSpec};
+use crate::passes::geometry::{GpuScene, Vertices, draw};
+use crate::passes::store::StoreModules;
+use crate::passes::Context;
+use crate::plan::Pass;
+
+/// Geometry pass: counts the fragments of every pixel into `pixel_counts`, which must be zero.
+///
+/// # Errors
+/// [`GpuError`] of the device.
+pub fn count(context: &mut Context<'_>, scene: &GpuScene) -> Result<(), GpuError> {
+    draw(context, scene, Pass::Count, Vertices::Depth, &|spec| spec.with("passes/capture/compacted/count"))
+}
+
+fn prefix_sum_spec() -> ShaderSpec {
+    ShaderSpec::new("passes/capture/compacted/prefix_sum").constant("LARGEST_CLASS", format!("{}u", sort::LARGEST_CLASS))
+}
+
+/// Sums the counts of every row into `row_sums`.
+///
+/// # Errors
+/// [`GpuError`] of the device.
+pub fn sum_rows(context: &mut Context<'_>) -> Result<(), GpuError> {
+    let groups = [context.rows(), 1, 1];
+    context.compute(Pass::PrefixSum, &prefix_sum_spec(), "sum_rows", groups)
+}
+
+/// Turns counts into offsets, from the sums of the rows.
+///
+/// # Errors
+/// [`GpuError`] of the device.
+pub fn prefix_sum(context: &mut Context<'_>) -> Result<(), GpuError> {
+    let groups = [context.rows(), 1, 1];
+    context.compute(Pass::PrefixSum, &prefix_sum_spec(), "scan_rows", [1, 1, 1])?;
+    context.compute(Pass::PrefixSum, &prefix_sum_spec(), "offset_rows", groups)
+}
+
+/// Geometry pass: appends key and surface of every fragment to its pixel's run.
+///
+/// # Errors
+/// [`GpuError`] of the device.
+pub fn append(context: &mut Context<'_>, scene: &GpuScene) -> Result<(), GpuError> {
+    let modules = StoreModules::of(context.plan);
+    draw(context, scene, Pass::Append, Vertices::Surface, &|spec| {
+        modules.normals(spec.with("passes/capture/compacted/append"))
+    })
+}
+
+/// Sorts every pixel's run by (depth, triangle number).
+///
+/// # Errors
+/// [`GpuError`] of the device.
+pub fn sort_by_depth(context: &mut Context<'_>) -> Result<(), GpuError> {
+    let arguments = context.resources.require("sort", "sort_arguments")?.clone();
+    for class in 0..=sort::LARGEST_CLASS {
+        let elements = StoreModules::of(context.plan).layout(ShaderSpec::new("passes/sort/elements_by_depth"));
+        let spec = if class == sort::LARGEST_CLASS {
+            sort::with_long_lists(elements)
+        } else {
+            sort::with_network(elements, class)
+        };
+        let kernel = context.shaders.kernel(&spec, "main")?;
+        let at = (&arguments, u64::from(class) * 12);
+        context.recorder.compute_indirect(Pass::Sort, &kernel, &context.frame, context.resources, at)?;
+    }
+    Ok(())
+}
+
+/// Brings the surfaces into the sorted order.
+///
+/// # Errors
+/// [`GpuError`] of the device.
+pub fn gather(context: &mut Context<'_>) -> Result<(), GpuError> {
+    context.per_pixel(Pass::Gather, &ShaderSpec::new("passes/capture/compacted/gather"), "main")
+}

@@ -1,0 +1,41 @@
+//! The four neighbours of every layer: in each adjacent pixel the layer of the same part that continues the surface
+//! (Murray 2016, section 5.1, after Carnecky 2013).
+//!
+//! A candidate has the least ε = ε_n + ε_z, with ε_n = 1 − n·n' and ε_z the squared depth difference in radii of the part
+//! (T7: the printed formula adds a length squared to a number). A candidate that does not see the layer as its own candidate
+//! is no neighbour (reverse check). *Missing* means the surface ends; *unknown* means nothing can be said: beyond the image,
+//! or in a pixel that lost layers (T10).
+//!
+//! `Buckets` reads only the layers of the same part, through the pixel's hash table; `BruteForce` reads all, as the paper's
+//! baseline. Both give the same answer, bit for bit. The search runs one direction at a time in two passes, so that each pair
+//! is evaluated once a direction. Memory a layer: 8 bytes for candidates, 8 for links.
+
+use crate::gpu::{GpuError, ShaderSpec};
+use crate::passes::Context;
+use crate::passes::store::StoreModules;
+use crate::plan::Pass;
+use crate::settings::NeighbourSearch;
+
+/// Best candidate of every layer in each direction.
+///
+/// # Errors
+/// [`GpuError`] of the device.
+pub fn candidates(context: &mut Context<'_>, search: NeighbourSearch) -> Result<(), GpuError> {
+    let modules = StoreModules::of(context.plan);
+    let search = match search {
+        NeighbourSearch::Buckets => "passes/features/search_buckets",
+        NeighbourSearch::BruteForce => "passes/features/search_brute_force",
+    };
+    let spec = ShaderSpec::new("passes/features/neighbour_candidates").with(search);
+    let spec = modules.normals(modules.keys(modules.layout(spec)));
+    context.per_pixel(Pass::NeighbourCandidates, &spec, "main")
+}
+
+/// Keeps only mutual candidates.
+///
+/// # Errors
+/// [`GpuError`] of the device.
+pub fn links(context: &mut Context<'_>) -> Result<(), GpuError> {
+    let spec = StoreModules::of(context.plan).layout(ShaderSpec::new("passes/features/neighbour_links"));
+    context.per_pixel(Pass::NeighbourLinks, &spec, "main")
+}

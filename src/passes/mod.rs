@@ -1,0 +1,82 @@
+//! The techniques, one room each, with shaders in `shaders/passes/` under the same name.
+//!
+//! A pass reads and writes columns of the FragmentStore (`store`): layers of a pixel in depth order, found through
+//! `layer_base` and `layer_count`, which exist once for rows of k slots and once for compacted lists. Everything after the
+//! capture is written once and runs over either.
+
+pub mod capture;
+pub mod composite;
+pub mod features;
+pub mod geometry;
+pub mod opacity;
+pub mod opaque;
+pub mod shade;
+pub mod store;
+mod uniforms;
+
+pub use uniforms::{
+    BlendParameters, CurvatureParameters, FrameUniform, InstanceUniform, MaterialUniform, PartFacts, ShadeParameters,
+    StoreLayout, TransferParameters,
+};
+
+use crate::gpu::{Gpu, GpuError, Recorder, Resources, ShaderSpec, Shaders};
+use crate::plan::{Band, FramePlan, Pass};
+
+/// What every pass gets: device, shaders, the plan, the band at work and the resources.
+pub struct Context<'a> {
+    /// The device.
+    pub gpu: &'a Gpu,
+    /// Compiled shaders.
+    pub shaders: &'a Shaders,
+    /// The plan that is executed.
+    pub plan: &'a FramePlan,
+    /// The rows at work.
+    pub band: Band,
+    /// Group 0.
+    pub frame: wgpu::BindGroup,
+    /// Buffers by name.
+    pub resources: &'a Resources,
+    /// A target of the image's size that nothing is written to: raster passes take their size from it.
+    pub blank: &'a wgpu::TextureView,
+    /// Where passes are recorded.
+    pub recorder: &'a mut Recorder,
+}
+
+impl Context<'_> {
+    /// Rows captured in this band.
+    pub fn rows(&self) -> u32 {
+        self.band.end_row - self.band.first_row
+    }
+
+    /// Width of the image.
+    pub fn width(&self) -> u32 {
+        self.plan.size[0]
+    }
+
+    /// Runs a kernel once for every pixel of the band, in groups of 8×8.
+    ///
+    /// # Errors
+    /// [`GpuError`] if the shader does not compile or a resource is missing.
+    pub fn per_pixel(&mut self, pass: Pass, spec: &ShaderSpec, entry: &str) -> Result<(), GpuError> {
+        let groups = [self.width().div_ceil(8), self.rows().div_ceil(8), 1];
+        self.compute(pass, spec, entry, groups)
+    }
+
+    /// Runs a kernel once for every pixel of the band, in groups of 64 along rows.
+    ///
+    /// # Errors
+    /// [`GpuError`] if the shader does not compile or a resource is missing.
+    pub fn per_row_run(&mut self, pass: Pass, spec: &ShaderSpec, entry: &str) -> Result<(), GpuError> {
+        let groups = [self.width().div_ceil(64), self.rows(), 1];
+        self.compute(pass, spec, entry, groups)
+    }
+
+    /// Runs a kernel.
+    ///
+    /// # Errors
+    /// [`GpuError`] if the shader does not compile or a resource is missing.
+    pub fn compute(&mut self, pass: Pass, spec: &ShaderSpec, entry: &str, groups: [u32; 3]) -> Result<(), GpuError> {
+        let kernel = self.shaders.kernel(spec, entry)?;
+        self.recorder.compute(pass, &kernel, &self.frame, self.resources, groups)
+    }
+}

@@ -1,0 +1,22 @@
+//! When every surface is opaque, nothing is captured: the nearest fragment is lit in its fragment shader and kept by the
+//! depth test. Surfaces pass through the formats of the store, and equal depths keep the lower triangle number (parts are
+//! drawn in order), so the picture is the one that a capture would give, bit for bit.
+
+use crate::gpu::GpuError;
+use crate::passes::Context;
+use crate::passes::geometry::{GpuScene, draw_opaque};
+use crate::passes::store::StoreModules;
+
+/// Draws the nearest surfaces into `target` (Rg32Uint).
+///
+/// # Errors
+/// [`GpuError`] of the device.
+pub fn opaque(
+    context: &mut Context<'_>,
+    scene: &GpuScene,
+    target: &wgpu::TextureView,
+    depth: &wgpu::TextureView,
+) -> Result<(), GpuError> {
+    let modules = StoreModules::of(context.plan);
+    draw_opaque(context, scene, target, depth, &|spec| modules.normals(spec.with("passes/opaque")))
+}
