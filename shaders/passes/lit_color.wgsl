@@ -13,6 +13,6 @@ fn lit_color(color: vec4<f32>, normal: vec3<f32>, words: vec2<u32>, eye: vec3<f3
     surface.emissive = unpack_rgb9e5(words.y);
     surface.unlit = m.unlit;
     surface.back_side = m.back_side;
-    let light = light_surface(surface, normal, eye, parameters.lights);
+    let light = light_surface(surface, normal, eye, lights.lights);
     return vec4<f32>(light, color.a);
 }

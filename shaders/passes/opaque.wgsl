@@ -7,7 +7,7 @@ struct ShadeParameters {
     lights: Lights,
 }
 
-@group(1) @binding(13) var<uniform> parameters: ShadeParameters;
+@group(1) @binding(13) var<uniform> lights: ShadeParameters;
 
 @fragment
 fn fragment_main(v: Varyings, @builtin(front_facing) front_facing: bool) -> @location(0) vec2<u32> {

@@ -8,7 +8,7 @@ struct ShadeParameters {
     lights: Lights,
 }
 
-@group(1) @binding(13) var<uniform> parameters: ShadeParameters;
+@group(1) @binding(13) var<uniform> lights: ShadeParameters;
 @group(1) @binding(5) var<storage, read_write> materials: array<vec2<u32>>;
 
 @compute @workgroup_size(8, 8)

@@ -30,6 +30,13 @@ pub struct Band {
     pub end_output_row: u32,
 }
 
+impl FramePlan {
+    /// The store's columns: name and bytes of an element.
+    pub fn columns(&self) -> Vec<(&'static str, u64)> {
+        columns(self)
+    }
+}
+
 /// Bytes of a column's element, by name, for the columns that a plan can have.
 fn columns(plan: &FramePlan) -> Vec<(&'static str, u64)> {
     let (wide, compacted) = match plan.capture {

@@ -10,7 +10,7 @@ struct BlendParameters {
     _pad2: u32,
 }
 
-@group(1) @binding(13) var<uniform> parameters: BlendParameters;
+@group(1) @binding(13) var<uniform> blend_parameters: BlendParameters;
 @group(1) @binding(28) var image: texture_storage_2d<rgba32float, write>;
 
 @compute @workgroup_size(8, 8)
@@ -26,7 +26,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     var transmitted = 1.0;
     for (var layer = 0u; layer < count; layer++) {
         let next = layer_lit(base + layer);
-        let alpha = clamp(next.a * parameters.opacity, 0.0, 1.0);
+        let alpha = clamp(next.a * blend_parameters.opacity, 0.0, 1.0);
         color += (transmitted * alpha) * next.rgb;
         transmitted *= 1.0 - alpha;
         if transmitted < 9.5367431640625e-7 {

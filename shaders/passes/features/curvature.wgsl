@@ -22,7 +22,7 @@ struct CurvatureParameters {
     _pad: u32,
 }
 
-@group(1) @binding(13) var<uniform> parameters: CurvatureParameters;
+@group(1) @binding(13) var<uniform> curvature_parameters: CurvatureParameters;
 @group(1) @binding(9) var<storage, read_write> links: array<vec2<u32>>;
 @group(1) @binding(14) var<storage, read_write> kappas: array<f32>;
 
@@ -70,7 +70,7 @@ fn walk(start: Fragment, x: u32, y: u32, slot: u32, direction: u32, axis: ptr<fu
     var at = vec2<i32>(i32(x), i32(y));
     var current = slot;
     var last = start;
-    for (var distance = 1u; distance <= parameters.reach; distance++) {
+    for (var distance = 1u; distance <= curvature_parameters.reach; distance++) {
         let link = link_in(links[current], direction);
         if link == UNKNOWN {
             return;
@@ -85,7 +85,7 @@ fn walk(start: Fragment, x: u32, y: u32, slot: u32, direction: u32, axis: ptr<fu
         current = layer_base(pixel_index(u32(at.x), u32(at.y))) + link;
         let next = fragment_at(u32(at.x), u32(at.y), current);
         let cosine = dot(last.normal, next.normal);
-        if cosine < parameters.crease_cosine {
+        if cosine < curvature_parameters.crease_cosine {
             if (*lines).crease == 0u || distance < (*lines).crease {
                 let turn = next.normal - last.normal;
                 // Angle from the chord: accurate where acos is not.
@@ -96,7 +96,7 @@ fn walk(start: Fragment, x: u32, y: u32, slot: u32, direction: u32, axis: ptr<fu
             }
             return;
         }
-        if distance <= parameters.radius {
+        if distance <= curvature_parameters.radius {
             let s = side * f32(distance);
             let dn = next.normal - start.normal;
             let dp = next.point - start.point;
@@ -149,7 +149,7 @@ fn curvature_sum(start: Fragment, u: Axis, v: Axis, pixel: vec2<f32>) -> f32 {
     if has_v {
         along_v = slopes_of(v);
     }
-    if parameters.kind == 1u {
+    if curvature_parameters.kind == 1u {
         let gu = gradient_slope(start.normal, along_u.normal);
         let gv = gradient_slope(start.normal, along_v.normal);
         return gu.x / pixel.x - gv.y / pixel.y;
@@ -208,12 +208,12 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         let scale = curvature_scale(slot);
         var kappa = saturate(-scale * curvature_sum(start, u, v, size));
         if lines.crease != 0u {
-            let strength = saturate(scale * lines.crease_angle / (parameters.line * size.y));
-            let coverage = clamp(0.5 * parameters.line + 0.5 - f32(lines.crease - 1u), 0.0, 1.0);
+            let strength = saturate(scale * lines.crease_angle / (curvature_parameters.line * size.y));
+            let coverage = clamp(0.5 * curvature_parameters.line + 0.5 - f32(lines.crease - 1u), 0.0, 1.0);
             kappa = mix(kappa, strength, coverage);
         }
         if lines.rim != 0u {
-            let coverage = clamp(parameters.line - f32(lines.rim - 1u), 0.0, 1.0);
+            let coverage = clamp(curvature_parameters.line - f32(lines.rim - 1u), 0.0, 1.0);
             kappa = mix(kappa, -1.0, coverage);
         }
         kappas[slot] = kappa;

@@ -3,5 +3,5 @@
 // Curvature is measured in the radius of the layer's part.
 
 fn curvature_scale(slot: u32) -> f32 {
-    return parameters.part_scale * part_table[parts[slot]].radius;
+    return curvature_parameters.part_scale * part_table[parts[slot]].radius;
 }

@@ -1,5 +1,5 @@
 // Curvature is measured in one length for the whole picture.
 
 fn curvature_scale(slot: u32) -> f32 {
-    return parameters.scale;
+    return curvature_parameters.scale;
 }

@@ -1,0 +1,469 @@
+//! One frame, from plan to image: THE ordered list of pass calls.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use glam::DVec2;
+
+use super::{Frame, FrameReport, Picture, RenderError, Renderer};
+use crate::gpu::{Gpu, GpuError, PassTime, Recorder, Resource};
+use crate::math::{Camera, Projection, ViewFrustum};
+use crate::passes::capture::{LayerCounts, STATISTICS_WORDS, bucketed_k_buffer, buckets, compacted, sort};
+use crate::passes::features::{curvature, neighbours};
+use crate::passes::geometry::{GpuScene, Instances};
+use crate::passes::{BlendParameters, Context, FrameUniform, StoreLayout, composite, opacity, opaque, shade};
+use crate::plan::{self, Band, Capture, FramePlan, Opacity, Pass};
+use crate::settings::Settings;
+use crate::transfer::TransferFunction;
+
+/// Textures of the image's size.
+pub(super) struct Targets {
+    size: [u32; 2],
+    /// What the composition writes.
+    image: wgpu::Texture,
+    /// Gives raster passes their size; never written.
+    blank: wgpu::TextureView,
+    /// Sums of jittered frames, read and written in turn.
+    sums: Option<[wgpu::Texture; 2]>,
+    /// Colours and depth of the opaque pass.
+    opaque: Option<[wgpu::TextureView; 2]>,
+}
+
+fn texture(gpu: &Gpu, label: &str, size: [u32; 2], format: wgpu::TextureFormat, usage: wgpu::TextureUsages) -> wgpu::Texture {
+    gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some(label),
+        size: wgpu::Extent3d { width: size[0], height: size[1], depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage,
+        view_formats: &[],
+    })
+}
+
+impl Targets {
+    fn ensure<'a>(kept: &'a mut Option<Targets>, gpu: &Gpu, plan: &FramePlan) -> Result<&'a Targets, GpuError> {
+        use wgpu::{TextureFormat as Format, TextureUsages as Usage};
+        let image_usage = Usage::STORAGE_BINDING | Usage::TEXTURE_BINDING | Usage::COPY_SRC | Usage::COPY_DST;
+        let image = |label| texture(gpu, label, plan.size, Format::Rgba32Float, image_usage);
+        let old = kept.take().filter(|t| t.size == plan.size);
+        let mut targets = old.unwrap_or_else(|| Targets {
+            size: plan.size,
+            image: image("image"),
+            blank: texture(gpu, "blank", plan.size, Format::R8Unorm, Usage::RENDER_ATTACHMENT)
+                .create_view(&Default::default()),
+            sums: None,
+            opaque: None,
+        });
+        if !plan.runs(Pass::Accumulate) {
+            targets.sums = None;
+        } else if targets.sums.is_none() {
+            targets.sums = Some([image("sum"), image("other sum")]);
+        }
+        if !plan.runs(Pass::Opaque) {
+            targets.opaque = None;
+        } else if targets.opaque.is_none() {
+            let usage = Usage::RENDER_ATTACHMENT | Usage::TEXTURE_BINDING;
+            targets.opaque = Some([
+                texture(gpu, "opaque colours", plan.size, Format::Rg32Uint, usage).create_view(&Default::default()),
+                texture(gpu, "opaque depth", plan.size, Format::Depth32Float, Usage::RENDER_ATTACHMENT)
+                    .create_view(&Default::default()),
+            ]);
+        }
+        gpu.check()?;
+        Ok(kept.insert(targets))
+    }
+}
+
+/// Offsets of the samples of a pixel, in pixels: the R2 sequence (Roberts 2018) for several, the centre for one.
+fn jitter(sample: u32, samples: u32) -> DVec2 {
+    if samples <= 1 {
+        return DVec2::ZERO;
+    }
+    let n = f64::from(sample);
+    let (a, b) = (0.754_877_666_246_692_7, 0.569_840_290_998_053_3);
+    DVec2::new((0.5 + a * n).fract() - 0.5, (0.5 + b * n).fract() - 0.5)
+}
+
+/// What one sample of a frame needs besides the plan.
+struct View<'a> {
+    scene: &'a GpuScene,
+    camera: &'a Camera,
+    frustum: ViewFrustum,
+    jitter: DVec2,
+    instances: Arc<Instances>,
+}
+
+fn frame_uniform(view: &View<'_>, plan: &FramePlan, band: Band) -> FrameUniform {
+    let [width, height] = plan.size.map(f64::from);
+    let (tan_x, tan_y, orthographic) = match view.camera.projection {
+        Projection::Perspective { fov_y } => {
+            let t = (fov_y * 0.5).tan();
+            (t * width / height, t, 0)
+        }
+        Projection::Orthographic { height: visible } => (visible * 0.5 * width / height, visible * 0.5, 1),
+    };
+    // Pixel (0, 0) has its sample at its middle, moved against the jitter of the image.
+    let scale = DVec2::new(2.0 * tan_x / width, -2.0 * tan_y / height);
+    let offset = DVec2::new(-tan_x, tan_y) + scale * (DVec2::splat(0.5) - view.jitter);
+    let sphere = view.scene.stats.bounds.bounding_sphere();
+    let center_depth = -view.camera.view_from_world().transform_point3(sphere.center).z;
+    let radius = if sphere.radius > 0.0 { sphere.radius } else { 1.0 };
+    let clip = view.camera.clip_from_view(view.frustum, plan.size, view.jitter);
+    FrameUniform {
+        clip_from_view: clip.as_mat4().to_cols_array_2d(),
+        unproject: [scale.x, scale.y, offset.x, offset.y].map(|v| v as f32),
+        size: plan.size,
+        first_row: band.first_row,
+        end_row: band.end_row,
+        first_output_row: band.first_output_row,
+        end_output_row: band.end_output_row,
+        orthographic,
+        _pad: 0,
+        near: view.frustum.near as f32,
+        far: view.frustum.far as f32,
+        depth_min: (center_depth - radius) as f32,
+        depth_scale: (0.5 / radius) as f32,
+    }
+}
+
+/// Draws a planned frame.
+pub(super) fn draw(
+    renderer: &mut Renderer,
+    scene: &GpuScene,
+    camera: &Camera,
+    settings: &Settings,
+    transfer: &TransferFunction,
+    plan: FramePlan,
+) -> Result<Frame, RenderError> {
+    let begin = Instant::now();
+    let gpu = renderer.gpu.clone();
+    gpu.check()?;
+    let targets = Targets::ensure(&mut renderer.targets, &gpu, &plan)?;
+    let (image, blank) = (targets.image.clone(), targets.blank.clone());
+    let sums = targets.sums.clone();
+    let opaque_targets = targets.opaque.clone();
+    bind_settings(renderer, scene, settings, transfer, &plan, &image)?;
+    if let Some([colors, _]) = &opaque_targets {
+        renderer.resources.set("opaque_colors", Resource::Texture(colors.clone()));
+    }
+
+    let mut tally = Tally::default();
+    let frustum = camera.frustum(&scene.stats.bounds);
+    let layout = &renderer.shaders.shared.instances;
+    let view_from_world = camera.view_from_world();
+    let instances = Arc::new(if plan.runs(Pass::Opaque) {
+        scene.instances_in_part_order(&gpu, layout, &view_from_world)?
+    } else {
+        scene.instances(&gpu, layout, &view_from_world, renderer.draw_order)?
+    });
+    for sample in 0..plan.samples {
+        let jitter = jitter(sample, plan.samples);
+        let view = View { scene, camera, frustum, jitter, instances: Arc::clone(&instances) };
+        match plan.capture {
+            Capture::None => {
+                let band = plan.bands[0];
+                let mut work = Work::new(renderer, &plan, &view, band, &blank)?;
+                if let Some([colors, depth]) = &opaque_targets {
+                    opaque::opaque(&mut work.context(), scene, colors, depth)?;
+                    composite::show_opaque(&mut work.context())?;
+                }
+                work.finish(&mut tally)?;
+            }
+            Capture::BucketedKBuffer { .. } => {
+                for &band in &plan.bands {
+                    let mut work = Work::new(renderer, &plan, &view, band, &blank)?;
+                    let mut context = work.context();
+                    bucketed_k_buffer::clear(&mut context)?;
+                    bucketed_k_buffer::z_insertion(&mut context, scene)?;
+                    bucketed_k_buffer::count_layers(&mut context)?;
+                    bucket_passes(&mut context)?;
+                    bucketed_k_buffer::data_storage(&mut context, scene)?;
+                    finish_layers(&mut context)?;
+                    work.finish(&mut tally)?;
+                }
+            }
+            Capture::Compacted => draw_compacted(renderer, &plan, &view, &blank, &mut tally)?,
+        }
+        if let Some(sums) = &sums {
+            accumulate(renderer, &plan, &view, &blank, sample, &image, sums, &mut tally)?;
+        }
+    }
+
+    let shown = match &sums {
+        Some(sums) => &sums[(plan.samples as usize) % 2],
+        None => &image,
+    };
+    let mut pixels = gpu.read_image(shown)?;
+    if plan.samples > 1 {
+        let weight = 1.0 / plan.samples as f32;
+        pixels.iter_mut().flatten().for_each(|v| *v *= weight);
+    }
+    let report = FrameReport {
+        layers: tally.layers,
+        passes: tally.times,
+        milliseconds: begin.elapsed().as_secs_f64() * 1e3,
+        bands: tally.bands,
+        buffer_bytes: renderer.resources.bytes(),
+        adapter: gpu.facts().clone(),
+        plan,
+    };
+    let [width, height] = report.plan.size;
+    Ok(Frame { image: Picture { width, height, pixels }, report })
+}
+
+/// Captures all layers: counts, cuts bands that fit, and draws each.
+fn draw_compacted(
+    renderer: &mut Renderer,
+    plan: &FramePlan,
+    view: &View<'_>,
+    blank: &wgpu::TextureView,
+    tally: &mut Tally,
+) -> Result<(), RenderError> {
+    let height = plan.size[1];
+    let whole = Band { first_row: 0, end_row: height, first_output_row: 0, end_output_row: height };
+    let mut work = Work::new(renderer, plan, view, whole, blank)?;
+    count_band(&mut work.context(), view.scene)?;
+    work.submit_times(tally)?;
+    let rows = renderer.gpu.read_buffer(renderer.resources.require("prefix sum", "row_sums")?, 4 * u64::from(height))?;
+    let rows: Vec<u64> = rows.chunks_exact(4).map(|w| u64::from(bytemuck::pod_read_unaligned::<u32>(w))).collect();
+    let capabilities = renderer.gpu.capabilities();
+    let limit = capabilities.max_binding.min(capabilities.max_buffer) / 8;
+    let bands = plan::bands_of_rows(&rows, plan.apron, limit)
+        .map_err(|(row, fragments)| RenderError::RowTooDeep { row, fragments, limit })?;
+    let single = bands.len() == 1;
+    for band in bands {
+        let fragments = rows[band.first_row as usize..band.end_row as usize].iter().sum();
+        ensure_fragments(renderer, plan, fragments)?;
+        let mut work = Work::new(renderer, plan, view, band, blank)?;
+        let mut context = work.context();
+        if !single {
+            count_band(&mut context, view.scene)?;
+        }
+        compacted::prefix_sum(&mut context)?;
+        compacted::append(&mut context, view.scene)?;
+        compacted::sort_by_depth(&mut context)?;
+        compacted::gather(&mut context)?;
+        bucket_passes(&mut context)?;
+        finish_layers(&mut context)?;
+        work.finish(tally)?;
+    }
+    Ok(())
+}
+
+fn count_band(context: &mut Context<'_>, scene: &GpuScene) -> Result<(), GpuError> {
+    let counts = context.resources.require("count", "pixel_counts")?;
+    context.recorder.encoder.clear_buffer(counts, 0, None);
+    context.recorder.encoder.clear_buffer(context.resources.require("count", "statistics")?, 0, None);
+    compacted::count(context, scene)?;
+    compacted::sum_rows(context)
+}
+
+fn bucket_passes(context: &mut Context<'_>) -> Result<(), GpuError> {
+    if context.plan.runs(Pass::PartLookup) {
+        buckets::part_lookup(context)?;
+    }
+    if context.plan.runs(Pass::ZReordering) {
+        buckets::z_reordering(context)?;
+        buckets::bucket_creation(context)?;
+    }
+    Ok(())
+}
+
+/// Stages 2 to 4: the same for every capture.
+fn finish_layers(context: &mut Context<'_>) -> Result<(), GpuError> {
+    if let Some(features) = context.plan.features {
+        neighbours::candidates(context, features.search)?;
+        if features.reverse_check {
+            neighbours::links(context)?;
+        }
+        curvature::curvature(context, &features)?;
+    }
+    shade::shade(context)?;
+    if context.plan.runs(Pass::Stylize) {
+        opacity::stylize(context)?;
+    }
+    composite::blend(context)
+}
+
+#[derive(Default)]
+struct Tally {
+    layers: LayerCounts,
+    times: Vec<PassTime>,
+    bands: usize,
+}
+
+/// A band at work: its frame uniform, its recorder, the renderer's resources.
+struct Work<'a> {
+    renderer: &'a Renderer,
+    plan: &'a FramePlan,
+    band: Band,
+    frame: wgpu::BindGroup,
+    blank: &'a wgpu::TextureView,
+    instances: Arc<Instances>,
+    recorder: Recorder,
+}
+
+impl<'a> Work<'a> {
+    fn new(
+        renderer: &'a mut Renderer,
+        plan: &'a FramePlan,
+        view: &View<'_>,
+        band: Band,
+        blank: &'a wgpu::TextureView,
+    ) -> Result<Work<'a>, GpuError> {
+        let uniform = renderer.gpu.uniform("frame", &frame_uniform(view, plan, band))?;
+        let frame = renderer.gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("frame"),
+            layout: &renderer.shaders.shared.frame,
+            entries: &[wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() }],
+        });
+        let mut recorder = Recorder::new(&renderer.gpu);
+        // The compacted capture clears its statistics where it counts.
+        if plan.capture != Capture::Compacted
+            && let Some(statistics) = renderer.resources.buffer("statistics")
+        {
+            recorder.encoder.clear_buffer(statistics, 0, None);
+        }
+        Ok(Work { renderer, plan, band, frame, blank, instances: Arc::clone(&view.instances), recorder })
+    }
+
+    fn context(&mut self) -> Context<'_> {
+        Context {
+            gpu: &self.renderer.gpu,
+            shaders: &self.renderer.shaders,
+            plan: self.plan,
+            band: self.band,
+            frame: self.frame.clone(),
+            resources: &self.renderer.resources,
+            blank: self.blank,
+            instances: Arc::clone(&self.instances),
+            recorder: &mut self.recorder,
+        }
+    }
+
+    fn submit_times(self, tally: &mut Tally) -> Result<(), GpuError> {
+        self.recorder.submit().add_times(&mut tally.times)
+    }
+
+    /// Submits, waits, and adds times and counts.
+    fn finish(self, tally: &mut Tally) -> Result<(), GpuError> {
+        let renderer = self.renderer;
+        let compacted = self.plan.capture == Capture::Compacted;
+        self.recorder.submit().add_times(&mut tally.times)?;
+        tally.bands += 1;
+        if let Some(statistics) = renderer.resources.buffer("statistics") {
+            let bytes = renderer.gpu.read_buffer(statistics, 4 * STATISTICS_WORDS as u64)?;
+            let mut words: Vec<u32> = bytes.chunks_exact(4).map(bytemuck::pod_read_unaligned).collect();
+            if compacted {
+                // Everything that was counted is stored.
+                words[1] = words[0];
+            }
+            tally.layers.add_band(&words);
+        }
+        Ok(())
+    }
+}
+
+#[expect(clippy::too_many_arguments, reason = "one call, all of it different things")]
+fn accumulate(
+    renderer: &mut Renderer,
+    plan: &FramePlan,
+    view: &View<'_>,
+    blank: &wgpu::TextureView,
+    sample: u32,
+    image: &wgpu::Texture,
+    sums: &[wgpu::Texture; 2],
+    tally: &mut Tally,
+) -> Result<(), RenderError> {
+    let (before, after) = (&sums[sample as usize % 2], &sums[(sample as usize + 1) % 2]);
+    let as_resource = |t: &wgpu::Texture| Resource::Texture(t.create_view(&Default::default()));
+    renderer.resources.set("sample_image", as_resource(image));
+    renderer.resources.set("sum_before", as_resource(before));
+    renderer.resources.set("sum_after", as_resource(after));
+    let [width, height] = plan.size;
+    let whole = Band { first_row: 0, end_row: height, first_output_row: 0, end_output_row: height };
+    let _ = width;
+    let mut work = Work::new(renderer, plan, view, whole, blank)?;
+    if sample == 0 {
+        work.recorder.encoder.clear_texture(before, &wgpu::ImageSubresourceRange::default());
+    }
+    composite::accumulate(&mut work.context())?;
+    Ok(work.submit_times(tally)?)
+}
+
+/// Makes room for the fragments of a band.
+fn ensure_fragments(renderer: &mut Renderer, plan: &FramePlan, fragments: u64) -> Result<(), GpuError> {
+    let gpu = renderer.gpu.clone();
+    for (name, bytes) in plan.columns() {
+        renderer.resources.ensure(&gpu, name, bytes * fragments)?;
+    }
+    let layout = StoreLayout { k: 0, capacity: fragments as u32, _pad: [0; 2] };
+    renderer.resources.set("store_layout", Resource::Buffer(gpu.uniform("store_layout", &layout)?));
+    aliases(renderer);
+    Ok(())
+}
+
+/// Names under which shaders know the same buffer.
+fn aliases(renderer: &mut Renderer) {
+    for (alias, name) in [("atomic_keys", "keys"), ("key_words", "keys"), ("pixel_counts", "pixel_table")] {
+        renderer.resources.alias(alias, name);
+    }
+}
+
+/// Uniforms and tables of the settings, and buffers whose size is known before the capture.
+fn bind_settings(
+    renderer: &mut Renderer,
+    scene: &GpuScene,
+    settings: &Settings,
+    transfer: &TransferFunction,
+    plan: &FramePlan,
+    image: &wgpu::Texture,
+) -> Result<(), GpuError> {
+    let gpu = renderer.gpu.clone();
+    let planned: Vec<&str> = plan.buffers.iter().map(|b| b.name).collect();
+    renderer.resources.retain(|name| planned.contains(&name));
+    let resources = &mut renderer.resources;
+    resources.set("image", Resource::Texture(image.create_view(&Default::default())));
+    resources.set("part_table", Resource::Buffer(scene.part_table.clone()));
+    resources.set("lights", Resource::Buffer(gpu.uniform("lights", &shade::parameters(&settings.light))?));
+    if let Some(features) = &plan.features {
+        let parameters = curvature::parameters(features, &settings.features.curvature);
+        resources.set("curvature_parameters", Resource::Buffer(gpu.uniform("curvature", &parameters)?));
+    }
+    let constant = match plan.opacity {
+        Opacity::Constant { alpha } => alpha,
+        Opacity::Depth | Opacity::Curvature => 1.0,
+    };
+    if plan.runs(Pass::Stylize) {
+        let [color, alpha] = opacity::tables(&gpu, transfer);
+        resources.set("color_table", Resource::Texture(color));
+        resources.set("opacity_table", Resource::Texture(alpha));
+        let parameters = opacity::parameters(transfer, settings.opacity.gain, constant);
+        resources.set("transfer", Resource::Buffer(gpu.uniform("transfer", &parameters)?));
+    }
+    let blend = BlendParameters { opacity: constant as f32, _pad: [0; 3] };
+    resources.set("blend_parameters", Resource::Buffer(gpu.uniform("blend", &blend)?));
+    if plan.capture == Capture::None {
+        return Ok(());
+    }
+    resources.ensure(&gpu, "statistics", 4 * STATISTICS_WORDS as u64)?;
+    if plan.capture == Capture::Compacted {
+        resources.ensure(&gpu, "row_sums", 4 * u64::from(plan.size[1]))?;
+        resources.ensure(&gpu, "sort_arguments", 12 * u64::from(sort::LARGEST_CLASS + 1))?;
+    }
+    for buffer in plan.buffers.iter().filter(|b| b.exact && b.name != "image" && b.name != "sums") {
+        resources.ensure(&gpu, buffer.name, buffer.bytes)?;
+    }
+    if let Capture::BucketedKBuffer { k, .. } = plan.capture {
+        let slots = plan.bands.iter().map(|b| b.end_row - b.first_row).max().unwrap_or(0) * plan.size[0] * k;
+        let layout = StoreLayout { k, capacity: slots, _pad: [0; 2] };
+        resources.set("store_layout", Resource::Buffer(gpu.uniform("store_layout", &layout)?));
+    }
+    if !plan.runs(Pass::NeighbourLinks) {
+        resources.alias("links", "candidates");
+    }
+    aliases(renderer);
+    Ok(())
+}

@@ -1,0 +1,178 @@
+//! Scene and settings in, image out: the one renderer behind the command line, the window, the tests and the benchmarks.
+
+mod frame;
+mod readback;
+
+use serde::Serialize;
+
+use crate::gpu::{AdapterFacts, Gpu, GpuError, PassTime, Resources, Shaders};
+use crate::math::Camera;
+use crate::passes::capture::LayerCounts;
+pub use crate::passes::geometry::{DrawOrder, GpuScene};
+use crate::plan::{self, FramePlan, Refusal, ViewStats};
+use crate::scene::Scene;
+use crate::settings::Settings;
+use crate::transfer::{TransferError, TransferFunction};
+
+pub use readback::StoreReadback;
+
+/// Why a picture was not drawn.
+#[derive(Debug, thiserror::Error)]
+pub enum RenderError {
+    /// The plan cannot be made on this adapter.
+    #[error(transparent)]
+    Refused(#[from] Refusal),
+    /// The device failed.
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+    /// The transfer functions could not be read.
+    #[error(transparent)]
+    Transfer(#[from] TransferError),
+    /// One row of pixels has more fragments than a binding holds.
+    #[error(
+        "row {row} of the image has {fragments} fragments with its neighbours; a binding of this adapter holds {limit}. \
+         A smaller image or curvature radius is needed"
+    )]
+    RowTooDeep {
+        /// Row of the image.
+        row: u32,
+        /// Fragments of its smallest band.
+        fragments: u64,
+        /// Fragments that fit.
+        limit: u64,
+    },
+}
+
+/// A picture in premultiplied linear light.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+    /// Premultiplied linear RGBA, rows from the top.
+    pub pixels: Vec<[f32; 4]>,
+}
+
+/// What drawing a frame cost and counted.
+#[derive(Clone, Debug, Serialize)]
+pub struct FrameReport {
+    /// Layers, over all samples.
+    pub layers: LayerCounts,
+    /// GPU time of every pass; empty without timestamp queries.
+    pub passes: Vec<PassTime>,
+    /// Wall time of the whole frame, milliseconds.
+    pub milliseconds: f64,
+    /// Bands that it took.
+    pub bands: usize,
+    /// Bytes of the buffers that the frame used.
+    pub buffer_bytes: u64,
+    /// What was executed.
+    pub plan: FramePlan,
+    /// Who executed it.
+    pub adapter: AdapterFacts,
+}
+
+/// A picture and its report.
+#[derive(Clone, Debug)]
+pub struct Frame {
+    /// The picture.
+    pub image: Picture,
+    /// The report.
+    pub report: FrameReport,
+}
+
+/// Draws scenes.
+pub struct Renderer {
+    gpu: Gpu,
+    shaders: Shaders,
+    resources: Resources,
+    /// In which order parts are drawn.
+    pub draw_order: DrawOrder,
+    targets: Option<frame::Targets>,
+}
+
+impl Renderer {
+    /// A renderer on this device.
+    ///
+    /// # Errors
+    /// [`RenderError::Gpu`] if the device failed.
+    pub fn new(gpu: Gpu) -> Result<Renderer, RenderError> {
+        let shaders = Shaders::new(&gpu);
+        gpu.check()?;
+        Ok(Renderer { gpu, shaders, resources: Resources::default(), draw_order: DrawOrder::default(), targets: None })
+    }
+
+    /// The device.
+    pub fn gpu(&self) -> &Gpu {
+        &self.gpu
+    }
+
+    /// Compiled shaders.
+    pub fn shaders(&self) -> &Shaders {
+        &self.shaders
+    }
+
+    /// Uploads a finished scene.
+    ///
+    /// # Errors
+    /// [`RenderError::Gpu`] if memory runs out.
+    pub fn load(&mut self, scene: &Scene) -> Result<GpuScene, RenderError> {
+        Ok(GpuScene::upload(&self.gpu, &self.shaders.shared, scene, None)?)
+    }
+
+    /// Uploads a scene with the triangles of every primitive in another order; the picture must not change (T27).
+    ///
+    /// # Errors
+    /// [`RenderError::Gpu`] if memory runs out.
+    pub fn load_shuffled(&mut self, scene: &Scene, seed: u64) -> Result<GpuScene, RenderError> {
+        Ok(GpuScene::upload(&self.gpu, &self.shaders.shared, scene, Some(seed))?)
+    }
+
+    /// What a frame would do.
+    ///
+    /// # Errors
+    /// [`RenderError::Refused`] if it cannot be drawn here.
+    pub fn plan(
+        &self,
+        scene: &GpuScene,
+        camera: &Camera,
+        settings: &Settings,
+        size: [u32; 2],
+    ) -> Result<FramePlan, RenderError> {
+        let transfer = settings.opacity.transfer.resolve(None)?;
+        Ok(plan::plan(settings, &transfer, &scene.stats, &ViewStats::of(camera), self.gpu.capabilities(), size)?)
+    }
+
+    /// Draws a picture.
+    ///
+    /// # Errors
+    /// [`RenderError`] says what was refused or failed.
+    pub fn render(
+        &mut self,
+        scene: &GpuScene,
+        camera: &Camera,
+        settings: &Settings,
+        size: [u32; 2],
+    ) -> Result<Frame, RenderError> {
+        let transfer: TransferFunction = settings.opacity.transfer.resolve(None)?;
+        self.render_with(scene, camera, settings, &transfer, size)
+    }
+
+    /// Draws a picture with transfer functions that are already resolved.
+    ///
+    /// # Errors
+    /// [`RenderError`] says what was refused or failed.
+    pub fn render_with(
+        &mut self,
+        scene: &GpuScene,
+        camera: &Camera,
+        settings: &Settings,
+        transfer: &TransferFunction,
+        size: [u32; 2],
+    ) -> Result<Frame, RenderError> {
+        let view = ViewStats::of(camera);
+        let plan = plan::plan(settings, transfer, &scene.stats, &view, self.gpu.capabilities(), size)?;
+        frame::draw(self, scene, camera, settings, transfer, plan)
+    }
+}
