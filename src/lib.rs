@@ -2,12 +2,12 @@
 //!
 //! Rooms, in the order of their dependencies; ARCHITECTURE.md is the map.
 
-pub mod math;
-pub mod scene;
-pub mod transfer;
-pub mod settings;
-pub mod plan;
-pub mod oracle;
 pub mod gpu;
+pub mod math;
+pub mod oracle;
 pub mod passes;
+pub mod plan;
 pub mod render;
+pub mod scene;
+pub mod settings;
+pub mod transfer;

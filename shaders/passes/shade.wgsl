@@ -11,7 +11,7 @@ struct ShadeParameters {
 @group(1) @binding(13) var<uniform> lights: ShadeParameters;
 @group(1) @binding(5) var<storage, read_write> materials: array<vec2<u32>>;
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(16, 16)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let y = id.y + frame.first_row;
     if id.x >= frame.size.x || y < frame.first_output_row || y >= frame.end_output_row {

@@ -63,7 +63,11 @@ pub struct SharedLayouts {
     pub instances: wgpu::BindGroupLayout,
 }
 
-fn buffer_entry(binding: u32, visibility: wgpu::ShaderStages, ty: wgpu::BufferBindingType) -> wgpu::BindGroupLayoutEntry {
+fn buffer_entry(
+    binding: u32,
+    visibility: wgpu::ShaderStages,
+    ty: wgpu::BufferBindingType,
+) -> wgpu::BindGroupLayoutEntry {
     wgpu::BindGroupLayoutEntry {
         binding,
         visibility,
@@ -102,11 +106,7 @@ impl SharedLayouts {
         SharedLayouts {
             frame: layout(
                 "frame",
-                &[buffer_entry(
-                    0,
-                    ShaderStages::VERTEX_FRAGMENT | ShaderStages::COMPUTE,
-                    BufferBindingType::Uniform,
-                )],
+                &[buffer_entry(0, ShaderStages::VERTEX_FRAGMENT | ShaderStages::COMPUTE, BufferBindingType::Uniform)],
             ),
             material: layout("material", &[constants]),
             textured_material: layout("textured material", &textured),
@@ -158,9 +158,9 @@ fn binding_type(module: &naga::Module, variable: &naga::GlobalVariable) -> Optio
     let buffer = |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
     match variable.space {
         naga::AddressSpace::Uniform => Some(buffer(wgpu::BufferBindingType::Uniform)),
-        naga::AddressSpace::Storage { access } => Some(buffer(wgpu::BufferBindingType::Storage {
-            read_only: !access.contains(naga::StorageAccess::STORE),
-        })),
+        naga::AddressSpace::Storage { access } => {
+            Some(buffer(wgpu::BufferBindingType::Storage { read_only: !access.contains(naga::StorageAccess::STORE) }))
+        }
         _ => match module.types[variable.ty].inner {
             naga::TypeInner::Image { class: naga::ImageClass::Sampled { kind, .. }, .. } => {
                 Some(wgpu::BindingType::Texture {
@@ -188,12 +188,7 @@ fn binding_type(module: &naga::Module, variable: &naga::GlobalVariable) -> Optio
     }
 }
 
-fn group_layout(
-    gpu: &Gpu,
-    name: &str,
-    bindings: &[Binding],
-    visibility: wgpu::ShaderStages,
-) -> wgpu::BindGroupLayout {
+fn group_layout(gpu: &Gpu, name: &str, bindings: &[Binding], visibility: wgpu::ShaderStages) -> wgpu::BindGroupLayout {
     let entries: Vec<_> = bindings
         .iter()
         .map(|b| wgpu::BindGroupLayoutEntry { binding: b.index, visibility, ty: b.ty, count: None })

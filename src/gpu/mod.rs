@@ -16,7 +16,7 @@ use crate::plan::Capabilities;
 
 pub use buffers::{Resource, Resources};
 pub use kernel::{Kernel, RasterKernel, RasterSpec, SharedLayouts};
-pub use recorder::{PassTime, Recorder};
+pub use recorder::{PassTime, Recorder, Timing};
 pub use shaders::{ShaderSpec, Shaders, compose, shader_files};
 
 /// Why the device did not do what was asked.
@@ -217,8 +217,11 @@ impl Gpu {
 
     fn open(adapter: &wgpu::Adapter, facts: AdapterFacts) -> Result<Gpu, GpuError> {
         let available = adapter.features();
-        let required_features =
-            WANTED.iter().map(|(_, f)| *f).filter(|f| available.contains(*f)).fold(wgpu::Features::empty(), |a, b| a | b);
+        let required_features = WANTED
+            .iter()
+            .map(|(_, f)| *f)
+            .filter(|f| available.contains(*f))
+            .fold(wgpu::Features::empty(), |a, b| a | b);
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("pellucid"),
             required_features,

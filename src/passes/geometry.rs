@@ -86,11 +86,8 @@ pub struct Instances {
 fn normal_rows(view_from_part: &DMat4) -> [[f32; 4]; 3] {
     let m = glam::DMat3::from_mat4(*view_from_part);
     // Cofactors: the inverse transpose up to the determinant, finite even where there is no inverse.
-    let cofactors = glam::DMat3::from_cols(
-        m.y_axis.cross(m.z_axis),
-        m.z_axis.cross(m.x_axis),
-        m.x_axis.cross(m.y_axis),
-    );
+    let cofactors =
+        glam::DMat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis));
     let sign = if m.determinant() < 0.0 { -1.0 } else { 1.0 };
     let largest = cofactors.to_cols_array().into_iter().fold(0.0_f64, |a, b| a.max(b.abs()));
     let scale = if largest > 0.0 { sign / largest } else { 0.0 };
@@ -191,7 +188,6 @@ impl GpuScene {
         });
         Ok(Instances { group, runs })
     }
-
 }
 
 /// Vertex module and streams for a primitive in a pass.
@@ -268,9 +264,10 @@ fn pipelines(
         let spec = fragment(ShaderSpec::new(module));
         context.shaders.raster(&spec, &RasterSpec { streams, textured, ..base })
     };
-    let needs_textured = scene.primitives.iter().any(|p| {
-        p.extras.is_some() && (vertices == Vertices::Surface || scene.materials[p.material].masked)
-    });
+    let needs_textured = scene
+        .primitives
+        .iter()
+        .any(|p| p.extras.is_some() && (vertices == Vertices::Surface || scene.materials[p.material].masked));
     Ok(Pipelines { plain: kernel(false)?, textured: if needs_textured { Some(kernel(true)?) } else { None } })
 }
 
@@ -366,5 +363,6 @@ fn run_pass(
     let mut render_pass = context.recorder.raster(pass, target, clear, depth);
     render_pass.set_scissor_rect(0, first_row, width, rows);
     draw_runs(&mut render_pass, scene, &instances, vertices, pipelines, &groups);
-    Ok(())
+    drop(render_pass);
+    context.recorder.end_pass(pass)
 }

@@ -60,7 +60,7 @@ impl Context<'_> {
     /// # Errors
     /// [`GpuError`] if the shader does not compile or a resource is missing.
     pub fn per_pixel(&mut self, pass: Pass, spec: &ShaderSpec, entry: &str) -> Result<(), GpuError> {
-        let groups = [self.width().div_ceil(8), self.rows().div_ceil(8), 1];
+        let groups = [self.width().div_ceil(16), self.rows().div_ceil(16), 1];
         self.compute(pass, spec, entry, groups)
     }
 

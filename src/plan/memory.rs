@@ -103,8 +103,7 @@ pub(super) fn fill(
         Capture::None => {
             buffers.push(PlannedBuffer { name: "opaque_colors", bytes: 8 * pixels, exact: true });
             buffers.push(PlannedBuffer { name: "opaque_depth", bytes: 4 * pixels, exact: true });
-            plan.bands =
-                vec![Band { first_row: 0, end_row: height, first_output_row: 0, end_output_row: height }];
+            plan.bands = vec![Band { first_row: 0, end_row: height, first_output_row: 0, end_output_row: height }];
         }
         Capture::BucketedKBuffer { k, tail, .. } => {
             // The tally has 8 bytes a pixel and the tail 24, which for small k is more than a column.
@@ -119,9 +118,11 @@ pub(super) fn fill(
             let band_pixels =
                 plan.bands.iter().map(|b| b.end_row - b.first_row).max().unwrap_or(0) as u64 * u64::from(width);
             let slots = band_pixels * u64::from(k);
-            buffers.extend(
-                columns(plan).into_iter().map(|(name, b)| PlannedBuffer { name, bytes: b * slots, exact: true }),
-            );
+            buffers.extend(columns(plan).into_iter().map(|(name, b)| PlannedBuffer {
+                name,
+                bytes: b * slots,
+                exact: true,
+            }));
             buffers.push(PlannedBuffer { name: "pixel_table", bytes: 4 * band_pixels, exact: true });
             buffers.push(PlannedBuffer { name: "tally", bytes: 8 * band_pixels, exact: true });
             if tail {
@@ -131,16 +132,15 @@ pub(super) fn fill(
         Capture::Compacted => {
             let fragments = view.fragments.unwrap_or(LAYERS_EXPECTED * pixels);
             let bands = (fragments * WIDEST_COLUMN).div_ceil(limit).max(1);
-            plan.bands = equal_bands(
-                height,
-                (u64::from(height) / bands).max(1) + 2 * u64::from(plan.apron),
-                plan.apron,
-            );
+            plan.bands =
+                equal_bands(height, (u64::from(height) / bands).max(1) + 2 * u64::from(plan.apron), plan.apron);
             let in_band = fragments.min(limit / WIDEST_COLUMN);
             let exact = false;
-            buffers.extend(
-                columns(plan).into_iter().map(|(name, b)| PlannedBuffer { name, bytes: b * in_band, exact }),
-            );
+            buffers.extend(columns(plan).into_iter().map(|(name, b)| PlannedBuffer {
+                name,
+                bytes: b * in_band,
+                exact,
+            }));
             buffers.push(PlannedBuffer { name: "pixel_table", bytes: 4 * (pixels + 1), exact: true });
             buffers.push(PlannedBuffer { name: "cursors", bytes: 4 * pixels, exact: true });
         }
@@ -155,10 +155,7 @@ fn equal_bands(height: u32, rows: u64, apron: u32) -> Vec<Band> {
         return vec![Band { first_row: 0, end_row: height, first_output_row: 0, end_output_row: height }];
     }
     let own = (rows - 2 * u64::from(apron)).max(1) as u32;
-    (0..height)
-        .step_by(own as usize)
-        .map(|first| band_around(first, height.min(first + own), height, apron))
-        .collect()
+    (0..height).step_by(own as usize).map(|first| band_around(first, height.min(first + own), height, apron)).collect()
 }
 
 fn band_around(first: u32, end: u32, height: u32, apron: u32) -> Band {

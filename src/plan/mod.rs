@@ -439,7 +439,9 @@ fn choose_opacity(settings: &Settings, transfer: &TransferFunction) -> Opacity {
         OpacityModel::Curvature => {
             if transfer.depends_on_curvature() {
                 Opacity::Curvature
-            } else if let (true, Some(alpha)) = (transfer.color.constant() == Some([0.5; 3]), transfer.opacity.constant()) {
+            } else if let (true, Some(alpha)) =
+                (transfer.color.constant() == Some([0.5; 3]), transfer.opacity.constant())
+            {
                 Opacity::Constant { alpha: (f64::from(alpha) * settings.opacity.gain).clamp(0.0, 1.0) }
             } else {
                 Opacity::Depth
@@ -448,11 +450,7 @@ fn choose_opacity(settings: &Settings, transfer: &TransferFunction) -> Opacity {
     }
 }
 
-fn choose_capture(
-    settings: &Settings,
-    scene: &SceneStats,
-    capabilities: &Capabilities,
-) -> Result<Capture, Refusal> {
+fn choose_capture(settings: &Settings, scene: &SceneStats, capabilities: &Capabilities) -> Result<Capture, Refusal> {
     match settings.capture.kind {
         CaptureKind::Compacted => Ok(Capture::Compacted),
         CaptureKind::BucketedKBuffer => {
@@ -461,12 +459,7 @@ fn choose_capture(
                 // Shape id 65535 with depth 65535 would be the empty slot; depth stops at 65534, so every id is legal.
                 KeyFormat::Packed32 if scene.parts > 65_535 => Err(Refusal::TooManyParts { parts: scene.parts }),
                 KeyFormat::Wide64 if !capabilities.atomic_min_64 => Err(Refusal::NoAtomics64),
-                key => Ok(Capture::BucketedKBuffer {
-                    k: s.k,
-                    key,
-                    depth: s.depth,
-                    tail: s.tail == Tail::Average,
-                }),
+                key => Ok(Capture::BucketedKBuffer { k: s.k, key, depth: s.depth, tail: s.tail == Tail::Average }),
             }
         }
     }

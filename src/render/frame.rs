@@ -29,7 +29,13 @@ pub(super) struct Targets {
     opaque: Option<[wgpu::TextureView; 2]>,
 }
 
-fn texture(gpu: &Gpu, label: &str, size: [u32; 2], format: wgpu::TextureFormat, usage: wgpu::TextureUsages) -> wgpu::Texture {
+fn texture(
+    gpu: &Gpu,
+    label: &str,
+    size: [u32; 2],
+    format: wgpu::TextureFormat,
+    usage: wgpu::TextureUsages,
+) -> wgpu::Texture {
     gpu.device.create_texture(&wgpu::TextureDescriptor {
         label: Some(label),
         size: wgpu::Extent3d { width: size[0], height: size[1], depth_or_array_layers: 1 },
@@ -226,12 +232,16 @@ fn draw_compacted(
     let mut work = Work::new(renderer, plan, view, whole, blank)?;
     count_band(&mut work.context(), view.scene)?;
     work.submit_times(tally)?;
-    let rows = renderer.gpu.read_buffer(renderer.resources.require("prefix sum", "row_sums")?, 4 * u64::from(height))?;
+    let rows =
+        renderer.gpu.read_buffer(renderer.resources.require("prefix sum", "row_sums")?, 4 * u64::from(height))?;
     let rows: Vec<u64> = rows.chunks_exact(4).map(|w| u64::from(bytemuck::pod_read_unaligned::<u32>(w))).collect();
     let capabilities = renderer.gpu.capabilities();
     let limit = capabilities.max_binding.min(capabilities.max_buffer) / 8;
-    let bands = plan::bands_of_rows(&rows, plan.apron, limit)
-        .map_err(|(row, fragments)| RenderError::RowTooDeep { row, fragments, limit })?;
+    let bands = plan::bands_of_rows(&rows, plan.apron, limit).map_err(|(row, fragments)| RenderError::RowTooDeep {
+        row,
+        fragments,
+        limit,
+    })?;
     let single = bands.len() == 1;
     for band in bands {
         let fragments = rows[band.first_row as usize..band.end_row as usize].iter().sum();
@@ -319,7 +329,7 @@ impl<'a> Work<'a> {
             layout: &renderer.shaders.shared.frame,
             entries: &[wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() }],
         });
-        let mut recorder = Recorder::new(&renderer.gpu);
+        let mut recorder = Recorder::new(&renderer.gpu, renderer.timing);
         // The compacted capture clears its statistics where it counts.
         if plan.capture != Capture::Compacted
             && let Some(statistics) = renderer.resources.buffer("statistics")

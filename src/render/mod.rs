@@ -5,7 +5,7 @@ mod readback;
 
 use serde::Serialize;
 
-use crate::gpu::{AdapterFacts, Gpu, GpuError, PassTime, Resources, Shaders};
+use crate::gpu::{AdapterFacts, Gpu, GpuError, PassTime, Resources, Shaders, Timing};
 use crate::math::Camera;
 use crate::passes::capture::LayerCounts;
 pub use crate::passes::geometry::{DrawOrder, GpuScene};
@@ -89,6 +89,8 @@ pub struct Renderer {
     resources: Resources,
     /// In which order parts are drawn.
     pub draw_order: DrawOrder,
+    /// How passes are timed.
+    pub timing: Timing,
     targets: Option<frame::Targets>,
 }
 
@@ -100,7 +102,14 @@ impl Renderer {
     pub fn new(gpu: Gpu) -> Result<Renderer, RenderError> {
         let shaders = Shaders::new(&gpu);
         gpu.check()?;
-        Ok(Renderer { gpu, shaders, resources: Resources::default(), draw_order: DrawOrder::default(), targets: None })
+        Ok(Renderer {
+            gpu,
+            shaders,
+            resources: Resources::default(),
+            draw_order: DrawOrder::default(),
+            timing: Timing::default(),
+            targets: None,
+        })
     }
 
     /// The device.

@@ -18,7 +18,7 @@ fn insert_bucket(pixel: u32, part: u32, first: u32, end: u32) {
     }
 }
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(16, 16)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= frame.size.x || id.y >= frame.end_row - frame.first_row {
         return;

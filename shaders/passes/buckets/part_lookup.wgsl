@@ -1,7 +1,7 @@
 //@ use store/part_column
 // Fills the part column from the keys: the part follows from the triangle's number.
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(16, 16)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= frame.size.x || id.y >= frame.end_row - frame.first_row {
         return;

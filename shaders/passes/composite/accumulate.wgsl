@@ -4,7 +4,7 @@
 @group(1) @binding(16) var sum_before: texture_2d<f32>;
 @group(1) @binding(28) var sum_after: texture_storage_2d<rgba32float, write>;
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(16, 16)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let size = textureDimensions(sample_image);
     if id.x >= size.x || id.y >= size.y {

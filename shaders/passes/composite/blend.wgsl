@@ -13,7 +13,7 @@ struct BlendParameters {
 @group(1) @binding(13) var<uniform> blend_parameters: BlendParameters;
 @group(1) @binding(28) var image: texture_storage_2d<rgba32float, write>;
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(16, 16)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let y = id.y + frame.first_output_row;
     if id.x >= frame.size.x || y >= frame.end_output_row {

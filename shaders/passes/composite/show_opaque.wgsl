@@ -5,7 +5,7 @@
 @group(1) @binding(15) var opaque_colors: texture_2d<u32>;
 @group(1) @binding(28) var image: texture_storage_2d<rgba32float, write>;
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(16, 16)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= frame.size.x || id.y >= frame.size.y {
         return;

@@ -18,7 +18,7 @@ fn absent(other: u32) -> u32 {
     return select(MISSING, UNKNOWN, overflowed(other));
 }
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(16, 16)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let rows = frame.end_row - frame.first_row;
     if id.x >= frame.size.x || id.y >= rows {

@@ -15,7 +15,7 @@ fn checked(candidate: u32, other: u32, opposite: u32, layer: u32) -> u32 {
     return select(MISSING, UNKNOWN, overflowed(other));
 }
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(16, 16)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= frame.size.x || id.y >= frame.end_row - frame.first_row {
         return;

@@ -5,7 +5,7 @@
 
 @group(1) @binding(14) var<storage, read_write> kappas: array<f32>;
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(16, 16)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let y = id.y + frame.first_row;
     if id.x >= frame.size.x || y < frame.first_output_row || y >= frame.end_output_row {

@@ -26,7 +26,7 @@ fn sift_down(base: u32, start: u32, end: u32) {
     store_long(base, root, moved);
 }
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(16, 16)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= frame.size.x || id.y >= frame.end_row - frame.first_row {
         return;

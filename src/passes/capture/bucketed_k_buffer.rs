@@ -17,9 +17,9 @@
 //! paper's 128 bits are key, bucket, colour and normal. What overflows k is counted and left out, or averaged (tail).
 
 use crate::gpu::{GpuError, ShaderSpec};
+use crate::passes::Context;
 use crate::passes::geometry::{GpuScene, Vertices, draw};
 use crate::passes::store::{StoreModules, packed_depth};
-use crate::passes::Context;
 use crate::plan::{Capture, Pass};
 
 fn is_wide(context: &Context<'_>) -> bool {

@@ -10,9 +10,9 @@
 
 use super::sort;
 use crate::gpu::{GpuError, ShaderSpec};
+use crate::passes::Context;
 use crate::passes::geometry::{GpuScene, Vertices, draw};
 use crate::passes::store::StoreModules;
-use crate::passes::Context;
 use crate::plan::Pass;
 
 /// Geometry pass: counts the fragments of every pixel into `pixel_counts`, which must be zero.
@@ -24,7 +24,8 @@ pub fn count(context: &mut Context<'_>, scene: &GpuScene) -> Result<(), GpuError
 }
 
 fn prefix_sum_spec() -> ShaderSpec {
-    ShaderSpec::new("passes/capture/compacted/prefix_sum").constant("LARGEST_CLASS", format!("{}u", sort::LARGEST_CLASS))
+    ShaderSpec::new("passes/capture/compacted/prefix_sum")
+        .constant("LARGEST_CLASS", format!("{}u", sort::LARGEST_CLASS))
 }
 
 /// Sums the counts of every row into `row_sums`.

@@ -46,13 +46,16 @@ pub fn with_network(mut spec: ShaderSpec, class: u32) -> ShaderSpec {
         let _ = writeln!(body, "    if {i}u < count {{ e{i} = load_element(base, {i}u); }}");
     }
     for (a, b) in network(n) {
-        let _ = writeln!(body, "    {{ let swap = is_less(e{b}, e{a}); let low = select(e{a}, e{b}, swap); e{b} = select(e{b}, e{a}, swap); e{a} = low; }}");
+        let _ = writeln!(
+            body,
+            "    {{ let swap = is_less(e{b}, e{a}); let low = select(e{a}, e{b}, swap); e{b} = select(e{b}, e{a}, swap); e{a} = low; }}"
+        );
     }
     for i in 0..n {
         let _ = writeln!(body, "    if {i}u < count {{ store_element(base, {i}u, e{i}); }}");
     }
     spec.generated = format!(
-        "@compute @workgroup_size(8, 8)
+        "@compute @workgroup_size(16, 16)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {{
     if id.x >= frame.size.x || id.y >= frame.end_row - frame.first_row {{ return; }}
     let pixel = id.y * frame.size.x + id.x;

@@ -45,8 +45,7 @@ pub fn parameters(features: &Features, settings: &CurvatureSettings) -> Curvatur
 /// [`GpuError`] of the device.
 pub fn curvature(context: &mut Context<'_>, features: &Features) -> Result<(), GpuError> {
     let modules = StoreModules::of(context.plan);
-    let scale =
-        if features.scale_by_part { "passes/features/scale_part" } else { "passes/features/scale_uniform" };
+    let scale = if features.scale_by_part { "passes/features/scale_part" } else { "passes/features/scale_uniform" };
     let spec = ShaderSpec::new("passes/features/curvature").with(scale);
     let spec = modules.normals(modules.keys(modules.layout(spec)));
     context.per_pixel(Pass::Curvature, &spec, "main")

@@ -176,11 +176,7 @@ fn upload_image(gpu: &Gpu, image: &Image, srgb: bool, mips: bool) -> wgpu::Textu
         gpu.queue.write_texture(
             wgpu::TexelCopyTextureInfo { mip_level: level, ..texture.as_image_copy() },
             &level_image.rgba,
-            wgpu::TexelCopyBufferLayout {
-                offset: 0,
-                bytes_per_row: Some(4 * level_image.width),
-                rows_per_image: None,
-            },
+            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * level_image.width), rows_per_image: None },
             wgpu::Extent3d { width: level_image.width, height: level_image.height, depth_or_array_layers: 1 },
         );
     }
@@ -294,10 +290,7 @@ fn upload_material(
     for (i, (view, sampler)) in bound.iter().enumerate() {
         let binding = 2 * i as u32 + 1;
         entries.push(wgpu::BindGroupEntry { binding, resource: wgpu::BindingResource::TextureView(view) });
-        entries.push(wgpu::BindGroupEntry {
-            binding: binding + 1,
-            resource: wgpu::BindingResource::Sampler(sampler),
-        });
+        entries.push(wgpu::BindGroupEntry { binding: binding + 1, resource: wgpu::BindingResource::Sampler(sampler) });
     }
     Ok(GpuMaterial {
         masked: matches!(material.alpha_mode, AlphaMode::Mask { .. }),
@@ -434,12 +427,7 @@ mod tests {
 
     #[test]
     fn halving_averages_colours_in_linear_light() {
-        let image = Image {
-            name: String::new(),
-            width: 2,
-            height: 1,
-            rgba: vec![0, 0, 0, 0, 255, 255, 255, 255],
-        };
+        let image = Image { name: String::new(), width: 2, height: 1, rgba: vec![0, 0, 0, 0, 255, 255, 255, 255] };
         let half = halved(&image, true);
         assert_eq!((half.width, half.height), (1, 1));
         assert_eq!(half.rgba, [188, 188, 188, 128]);

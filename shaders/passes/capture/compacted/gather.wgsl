@@ -9,7 +9,7 @@
 @group(1) @binding(22) var<storage, read_write> arrival_emissive: array<u32>;
 @group(1) @binding(24) var<storage, read_write> sources: array<u32>;
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(16, 16)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= frame.size.x || id.y >= frame.end_row - frame.first_row {
         return;

@@ -74,8 +74,8 @@ fn scan_rows() {
     let classes = atomicLoad(&statistics[STAT_CLASSES]);
     for (var class_ = 0u; class_ <= LARGEST_CLASS; class_++) {
         let present = (classes & (1u << class_)) != 0u;
-        sort_arguments[3u * class_] = select(0u, (frame.size.x + 7u) / 8u, present);
-        sort_arguments[3u * class_ + 1u] = (rows() + 7u) / 8u;
+        sort_arguments[3u * class_] = select(0u, (frame.size.x + 15u) / 16u, present);
+        sort_arguments[3u * class_ + 1u] = (rows() + 15u) / 16u;
         sort_arguments[3u * class_ + 2u] = 1u;
     }
 }
