@@ -88,7 +88,7 @@ pub struct MaterialUniform {
 pub struct PartFacts {
     /// Number of the part's first triangle.
     pub first_triangle: u32,
-    /// One over the radius of its bounding sphere; 0 for a point.
+    /// One over the radius of its bounding sphere; 1 for a point, so that nothing is divided by zero.
     pub inverse_radius: f32,
     /// That radius, scene units.
     pub radius: f32,

@@ -14,7 +14,7 @@ use crate::scene::Scene;
 use crate::settings::Settings;
 use crate::transfer::{TransferError, TransferFunction};
 
-pub use readback::StoreReadback;
+pub use readback::{PixelBuckets, StoreReadback};
 
 /// Why a picture was not drawn.
 #[derive(Debug, thiserror::Error)]

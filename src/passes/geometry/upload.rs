@@ -360,8 +360,8 @@ impl GpuScene {
             .map(|p| PartFacts {
                 first_triangle: p.first_triangle,
                 // Reciprocals of powers of two times a radius are exact multiples, so scaling a model by 1024 changes no bit.
-                inverse_radius: if p.sphere.radius > 0.0 { (1.0 / p.sphere.radius) as f32 } else { 0.0 },
-                radius: p.sphere.radius as f32,
+                inverse_radius: if p.sphere.radius > 0.0 { (1.0 / p.sphere.radius) as f32 } else { 1.0 },
+                radius: if p.sphere.radius > 0.0 { p.sphere.radius as f32 } else { 1.0 },
                 _pad: 0,
             })
             .collect();
