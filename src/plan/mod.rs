@@ -375,8 +375,12 @@ pub fn plan(
     if width > capabilities.max_texture || height > capabilities.max_texture {
         return Err(Refusal::ImageTooLarge { width, height, limit: capabilities.max_texture });
     }
-    if capabilities.max_storage_buffers < STORAGE_BUFFERS {
-        return Err(Refusal::TooFewBindings { needed: STORAGE_BUFFERS, limit: capabilities.max_storage_buffers });
+    // Data storage binds one more for the tail.
+    let tail = settings.capture.kind == CaptureKind::BucketedKBuffer
+        && settings.capture.bucketed_k_buffer.tail == Tail::Average;
+    let needed = STORAGE_BUFFERS + u32::from(tail);
+    if capabilities.max_storage_buffers < needed {
+        return Err(Refusal::TooFewBindings { needed, limit: capabilities.max_storage_buffers });
     }
     let opacity = choose_opacity(settings, transfer);
     let mut draft = Draft { passes: Vec::new(), skipped: Vec::new() };

@@ -181,6 +181,9 @@ pub(super) fn draw(
                 for &band in &plan.bands {
                     let mut work = Work::new(renderer, &plan, &view, band, &blank)?;
                     let mut context = work.context();
+                    if let Some(tail) = context.resources.buffer("tail") {
+                        context.recorder.encoder.clear_buffer(tail, 0, None);
+                    }
                     bucketed_k_buffer::clear(&mut context)?;
                     bucketed_k_buffer::z_insertion(&mut context, scene)?;
                     bucketed_k_buffer::count_layers(&mut context)?;
@@ -446,7 +449,8 @@ fn bind_settings(
         Opacity::Constant { alpha } => alpha,
         Opacity::Depth | Opacity::Curvature => 1.0,
     };
-    if plan.runs(Pass::Stylize) {
+    let tail = matches!(plan.capture, Capture::BucketedKBuffer { tail: true, .. });
+    if plan.runs(Pass::Stylize) || tail {
         let [color, alpha] = opacity::tables(&gpu, transfer);
         resources.set("color_table", Resource::Texture(color));
         resources.set("opacity_table", Resource::Texture(alpha));

@@ -122,12 +122,7 @@ impl Renderer {
             let why = "the store can be read back only after a frame of one band and one sample that captured layers";
             return Err(GpuError::Device(why.to_owned()).into());
         }
-        let band = Band {
-            first_row: 0,
-            end_row: plan.size[1],
-            first_output_row: 0,
-            end_output_row: plan.size[1],
-        };
+        let band = Band { first_row: 0, end_row: plan.size[1], first_output_row: 0, end_output_row: plan.size[1] };
         let decoder = self.decoder(scene, camera);
         let wide = plan.capture.is_wide();
         let table = self.read_words("pixel_table")?;
@@ -235,7 +230,6 @@ impl Renderer {
                 });
             }
         }
-        store.offsets.push(store.depth_key.len());
         Ok(out)
     }
 

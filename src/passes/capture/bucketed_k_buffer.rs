@@ -20,7 +20,10 @@ use crate::gpu::{GpuError, ShaderSpec};
 use crate::passes::Context;
 use crate::passes::geometry::{GpuScene, Vertices, draw};
 use crate::passes::store::{StoreModules, packed_depth};
-use crate::plan::{Capture, Pass};
+use crate::plan::{Capture, Opacity, Pass};
+
+const TAIL_NONE: &str = "passes/capture/bucketed_k_buffer/tail_none";
+const TAIL_AVERAGE: &str = "passes/capture/bucketed_k_buffer/tail_average";
 
 fn is_wide(context: &Context<'_>) -> bool {
     context.plan.capture.is_wide()
@@ -87,9 +90,14 @@ pub fn data_storage(context: &mut Context<'_>, scene: &GpuScene) -> Result<(), G
         "passes/capture/bucketed_k_buffer/slot_by_depth"
     };
     let capture = context.plan.capture;
+    let tail: &[&'static str] = match (capture, context.plan.opacity) {
+        (Capture::BucketedKBuffer { tail: false, .. } | Capture::Compacted | Capture::None, _) => &[TAIL_NONE],
+        (_, Opacity::Constant { .. }) => &[TAIL_AVERAGE, "passes/capture/bucketed_k_buffer/tail_constant"],
+        (_, Opacity::Depth | Opacity::Curvature) => &[TAIL_AVERAGE, "passes/capture/bucketed_k_buffer/tail_transfer"],
+    };
     draw(context, scene, Pass::DataStorage, Vertices::Surface, &|spec| {
         let spec = spec.with("passes/capture/bucketed_k_buffer/data_storage").with(key).with(slot);
-        let spec = spec.with("passes/capture/bucketed_k_buffer/tail_none");
+        let spec = tail.iter().fold(spec, |spec, module| spec.with(module));
         with_packed_depth(modules.colors(modules.normals(spec)), capture)
     })
 }

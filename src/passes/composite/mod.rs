@@ -4,7 +4,7 @@
 use crate::gpu::{GpuError, ShaderSpec};
 use crate::passes::Context;
 use crate::passes::store::StoreModules;
-use crate::plan::Pass;
+use crate::plan::{Capture, Pass};
 
 /// Blends the layers into the image.
 ///
@@ -12,7 +12,11 @@ use crate::plan::Pass;
 /// [`GpuError`] of the device.
 pub fn blend(context: &mut Context<'_>) -> Result<(), GpuError> {
     let modules = StoreModules::of(context.plan);
-    let spec = modules.layout(ShaderSpec::new("passes/composite/blend").with("passes/composite/tail_none"));
+    let tail = match context.plan.capture {
+        Capture::BucketedKBuffer { tail: true, .. } => "passes/composite/tail_average",
+        _ => "passes/composite/tail_none",
+    };
+    let spec = modules.layout(ShaderSpec::new("passes/composite/blend").with(tail));
     context.per_pixel(Pass::Blend, &spec, "main")
 }
 
