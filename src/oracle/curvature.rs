@@ -155,7 +155,7 @@ impl Frame {
         let mut around = Surroundings::default();
         for direction in Direction::ALL {
             let d = direction as usize;
-            let sign = if d % 2 == 0 { 1.0 } else { -1.0 };
+            let sign = if matches!(direction, Direction::Right | Direction::Down) { 1.0 } else { -1.0 };
             let mut a = i;
             for step in 1..=self.reach {
                 let b = match neighbours.links[a][d] {
@@ -166,7 +166,12 @@ impl Frame {
                     }
                     Link::To(layer) => {
                         let Some(q) = direction.step(self.pixel_of[a], self.width, self.height) else { break };
-                        store.offsets[q] + layer as usize
+                        let b = store.offsets[q] + layer as usize;
+                        // A read-back may be damaged: a link to nowhere is no link.
+                        if b >= store.range(q).end {
+                            break;
+                        }
+                        b
                     }
                 };
                 let cos = self.normals[a].dot(self.normals[b]).clamp(-1.0, 1.0);

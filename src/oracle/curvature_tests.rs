@@ -43,8 +43,8 @@ fn errors(
     let found = curvature(&store, &links, view, &extents(), settings);
     let pixel_of = store.pixel_of_fragment();
     let mut errors = Vec::new();
-    for i in 0..store.len() {
-        let (x, y) = store.xy(pixel_of[i]);
+    for (i, &pixel) in pixel_of.iter().enumerate() {
+        let (x, y) = store.xy(pixel);
         let point = view.position(x, y, store.depth[i]);
         let known = shape.known(point, view.to_eye(point));
         if known.facing > facing && links.links[i].iter().all(|l| matches!(l, Link::To(_))) {

@@ -86,20 +86,20 @@ pub fn neighbours(store: &StoreData, extents: &Extents, reverse_check: bool) -> 
     let pixel_of = store.pixel_of_fragment();
     let (width, height) = (store.width.max(1) as usize, store.height as usize);
     let mut result = Neighbours::default();
-    for i in 0..store.len() {
+    for (i, &p) in pixel_of.iter().enumerate() {
         let mut links = [Link::Unknown; 4];
         let mut ambiguous = [false; 4];
         for direction in Direction::ALL {
             let d = direction as usize;
-            let Some(q) = direction.step(pixel_of[i], width, height) else { continue };
+            let Some(q) = direction.step(p, width, height) else { continue };
             let none = if store.overflowed[q] { Link::Unknown } else { Link::Missing };
             links[d] = none;
             let Some(found) = candidate(store, extents, i, q) else { continue };
             ambiguous[d] = found.ambiguous;
             let agreed = if reverse_check {
-                let back = candidate(store, extents, store.offsets[q] + found.layer, pixel_of[i]);
+                let back = candidate(store, extents, store.offsets[q] + found.layer, p);
                 ambiguous[d] |= back.is_some_and(|b| b.ambiguous);
-                back.is_some_and(|b| store.offsets[pixel_of[i]] + b.layer == i)
+                back.is_some_and(|b| store.offsets[p] + b.layer == i)
             } else {
                 true
             };

@@ -2,7 +2,8 @@
 //!
 //! A read-back from the GPU and the oracle's own [`Layers`] are both brought into this form; every later stage reads
 //! nothing else. Layers of a pixel lie at `offsets[pixel] .. offsets[pixel] + counts[pixel]`, pixels in rows from the
-//! top, and all fragment columns have the same length.
+//! top, and all fragment columns have the same length: that is what the stages rely on, as they rely on one entry a
+//! fragment in every other list that they are given.
 
 use std::ops::Range;
 

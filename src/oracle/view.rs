@@ -1,5 +1,8 @@
 //! Camera and image as the shaders see them: where in view space a pixel's sample lies, how large a pixel is there, and
 //! how large the things are by which lengths are divided.
+//!
+//! # Choices
+//! A part without extent has radius 1 where something is divided by it.
 
 use glam::{DVec2, DVec3};
 
