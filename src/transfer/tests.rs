@@ -236,6 +236,22 @@ fn images_are_read_as_plain_numbers_beside_the_file_that_names_them() {
 }
 
 #[test]
+fn a_source_can_be_used_from_another_folder_and_a_resolved_function_again() {
+    let folder = tempfile::tempdir().unwrap();
+    image::GrayImage::from_pixel(1, 1, image::Luma([51])).save(folder.path().join("o.png")).unwrap();
+    let text = "[color]\npoints = [{ kappa = 0, color = 0.5 }]\n[opacity]\nimage = 'o.png'\n";
+    let inline = TransferSource::Inline(Box::new(TransferFunction::from_toml(text, "inline").unwrap()));
+    assert!(inline.resolve(None).is_err(), "o.png is not in the current folder");
+    let function = inline.clone().rebased(folder.path()).resolve(None).unwrap();
+    assert_eq!(function.opacity.constant(), Some(0.2));
+    assert_eq!(inline.resolve(Some(folder.path())).unwrap().bake(), function.bake());
+    assert_eq!(TransferSource::Inline(Box::new(function.clone())).resolve(None).unwrap(), function, "loaded already");
+    std::fs::write(folder.path().join("f.toml"), text).unwrap();
+    assert!(TransferSource::Named("f.toml".to_owned()).rebased(folder.path()).resolve(None).is_ok());
+    assert_eq!(TransferSource::default().rebased(folder.path()), TransferSource::default());
+}
+
+#[test]
 fn an_unknown_name_lists_the_known_and_a_missing_file_its_path() {
     let e = TransferSource::Named("pelucid".to_owned()).resolve(None).unwrap_err().to_string();
     assert!(e.contains("'pelucid'") && e.contains("murray-6a-7a") && e.contains("x-ray"), "{e}");
