@@ -220,6 +220,21 @@ mod tests {
     }
 
     #[test]
+    fn transfer_functions_may_stand_in_a_settings_file() {
+        let text = "
+            [opacity.transfer.color]
+            points = [{ kappa = 0, color = 1 }]
+            [opacity.transfer.opacity]
+            curves = [{ depth = 0, points = [[0, 0.5], [1, 1]] }]";
+        let settings = Settings::from_toml(text).unwrap();
+        let function = settings.opacity.transfer.resolve(None).unwrap();
+        assert_eq!((function.color.constant(), function.opacity.sample(0.3, 0.0)), (Some([1.0; 3]), 0.5));
+        assert_eq!(Settings::from_toml(&settings.to_toml().unwrap()).unwrap(), settings);
+        let e = Settings::from_toml(&text.replace("[0, 0.5]", "[0, 5.0]")).unwrap_err().to_string();
+        assert!(e.contains("opacity.transfer") && e.contains("opacity = 5"), "{e}");
+    }
+
+    #[test]
     fn what_is_wrong_on_the_line_is_usage_and_in_a_file_is_input() {
         let folder = tempfile::tempdir().unwrap();
         let file = |name: &str, text: &str| {
