@@ -1,1 +1,5 @@
-fn main() {}
+//! The program: everything is in [`pellucid::cli`].
+
+fn main() -> std::process::ExitCode {
+    pellucid::cli::main()
+}

@@ -7,8 +7,10 @@
 mod bounds;
 mod camera;
 pub mod color;
+mod image;
 mod lights;
 
 pub use bounds::{Bounds, Sphere};
 pub use camera::{Camera, Projection, ViewFrustum};
+pub use image::LinearImage;
 pub use lights::{DirectionalLight, Hemisphere, LightLevels, LightRig};

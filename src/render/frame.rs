@@ -5,9 +5,9 @@ use std::time::Instant;
 
 use glam::DVec2;
 
-use super::{Frame, FrameReport, Picture, RenderError, Renderer};
+use super::{Frame, FrameReport, RenderError, Renderer};
 use crate::gpu::{Gpu, GpuError, PassTime, Recorder, Resource};
-use crate::math::{Camera, Projection, ViewFrustum};
+use crate::math::{Camera, LinearImage, Projection, ViewFrustum};
 use crate::passes::capture::{LayerCounts, STATISTICS_WORDS, bucketed_k_buffer, buckets, compacted, sort};
 use crate::passes::features::{curvature, neighbours};
 use crate::passes::geometry::{GpuScene, Instances};
@@ -219,7 +219,7 @@ pub(super) fn draw(
         plan,
     };
     let [width, height] = report.plan.size;
-    Ok(Frame { image: Picture { width, height, pixels }, report })
+    Ok(Frame { image: LinearImage { width, height, pixels }, report })
 }
 
 /// Captures all layers: counts, cuts bands that fit, and draws each.

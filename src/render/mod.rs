@@ -6,7 +6,7 @@ mod readback;
 use serde::Serialize;
 
 use crate::gpu::{AdapterFacts, Gpu, GpuError, PassTime, Resources, Shaders, Timing};
-use crate::math::Camera;
+use crate::math::{Camera, LinearImage};
 use crate::passes::capture::LayerCounts;
 pub use crate::passes::geometry::{DrawOrder, GpuScene};
 use crate::plan::{self, FramePlan, Refusal, ViewStats};
@@ -43,17 +43,6 @@ pub enum RenderError {
     },
 }
 
-/// A picture in premultiplied linear light.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Picture {
-    /// Width in pixels.
-    pub width: u32,
-    /// Height in pixels.
-    pub height: u32,
-    /// Premultiplied linear RGBA, rows from the top.
-    pub pixels: Vec<[f32; 4]>,
-}
-
 /// What drawing a frame cost and counted.
 #[derive(Clone, Debug, Serialize)]
 pub struct FrameReport {
@@ -77,7 +66,7 @@ pub struct FrameReport {
 #[derive(Clone, Debug)]
 pub struct Frame {
     /// The picture.
-    pub image: Picture,
+    pub image: LinearImage,
     /// The report.
     pub report: FrameReport,
 }

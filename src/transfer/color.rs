@@ -153,7 +153,8 @@ impl<'de> Deserialize<'de> for ColorValue {
     }
 }
 
-fn hex(text: &str) -> Option<[f64; 3]> {
+/// The bytes of `#rrggbb`, each over 255.
+pub(crate) fn hex(text: &str) -> Option<[f64; 3]> {
     let digits = text.strip_prefix('#').filter(|d| d.len() == 6 && d.bytes().all(|b| b.is_ascii_hexdigit()))?;
     let number = u32::from_str_radix(digits, 16).ok()?;
     Some([16, 8, 0].map(|shift| f64::from((number >> shift) & 0xff) / 255.0))

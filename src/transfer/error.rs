@@ -46,13 +46,15 @@ impl TransferError {
 
     /// A TOML error at the line and column where its span starts.
     pub(super) fn in_text(path: &str, text: &str, error: &toml::de::Error) -> TransferError {
-        let before = error.span().and_then(|span| text.get(..span.start)).unwrap_or_default();
-        let line_start = before.rfind('\n').map_or(0, |at| at + 1);
-        TransferError::Text {
-            path: path.to_owned(),
-            line: before.matches('\n').count() + 1,
-            column: before[line_start..].chars().count() + 1,
-            reason: error.message().lines().collect::<Vec<_>>().join("; "),
-        }
+        let (line, column, reason) = place_of(text, error);
+        TransferError::Text { path: path.to_owned(), line, column, reason }
     }
+}
+
+/// Line and column (from 1, in characters) of a TOML error in its text, and its message in one line.
+pub(crate) fn place_of(text: &str, error: &toml::de::Error) -> (usize, usize, String) {
+    let before = error.span().and_then(|span| text.get(..span.start)).unwrap_or_default();
+    let line_start = before.rfind('\n').map_or(0, |at| at + 1);
+    let reason = error.message().lines().collect::<Vec<_>>().join("; ");
+    (before.matches('\n').count() + 1, before[line_start..].chars().count() + 1, reason)
 }

@@ -47,8 +47,10 @@ use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserializer, MapAccess, Visitor};
 use serde::{Deserialize, Serialize};
 
+pub(crate) use color::hex;
 pub use color::{ColorFunction, ColorMode, ColorPoint, ColorShape, ColorValue};
 pub use error::TransferError;
+pub(crate) use error::place_of;
 pub use opacity::{OpacityCurve, OpacityFunction, OpacityPoint, OpacityShape};
 pub use points::{ControlPoint, Interpolation, Points};
 pub use presets::{Preset, names, presets};
@@ -93,6 +95,15 @@ impl TransferFunction {
     }
 
     fn load_images(&mut self, folder: &Folder) -> Result<(), TransferError> {
+        for raster in self.rasters().filter(|r| !r.is_loaded()) {
+            let path = raster.path().to_owned();
+            let png = folder.read(&path)?;
+            raster.load(&png).map_err(|reason| TransferError::file(folder.show(&path), reason))?;
+        }
+        Ok(())
+    }
+
+    fn rasters(&mut self) -> impl Iterator<Item = &mut Raster> {
         let strip = match &mut self.color.shape {
             ColorShape::Strip(raster) => Some(raster),
             ColorShape::Points { .. } => None,
@@ -101,12 +112,7 @@ impl TransferFunction {
             OpacityShape::Image(raster) => Some(raster),
             OpacityShape::Curves { .. } => None,
         };
-        for raster in strip.into_iter().chain(map) {
-            let path = raster.path().to_owned();
-            let png = folder.read(&path)?;
-            raster.load(&png).map_err(|reason| TransferError::file(folder.show(&path), reason))?;
-        }
-        Ok(())
+        strip.into_iter().chain(map)
     }
 }
 
@@ -116,7 +122,7 @@ impl TransferFunction {
 pub enum TransferSource {
     /// A name from `transfer_functions/`, or a path.
     Named(String),
-    /// The functions, written where they are used. Images are not loaded yet.
+    /// The functions, written where they are used. Images that are not loaded yet are when it is resolved.
     Inline(Box<TransferFunction>),
 }
 
@@ -152,6 +158,25 @@ impl TransferSource {
         };
         function.load_images(&folder)?;
         Ok(function)
+    }
+}
+
+impl TransferSource {
+    /// The same source with its relative paths, images of an inline function included, counted from `folder`: for a
+    /// settings file that is used from elsewhere.
+    #[must_use]
+    pub fn rebased(self, folder: &Path) -> TransferSource {
+        let join = |path: &str| folder.join(path).to_string_lossy().into_owned();
+        match self {
+            TransferSource::Named(name) if is_name(&name) => TransferSource::Named(name),
+            TransferSource::Named(path) => TransferSource::Named(join(&path)),
+            TransferSource::Inline(mut function) => {
+                for raster in function.rasters().filter(|r| !r.is_loaded()) {
+                    *raster = Raster::named(join(raster.path()));
+                }
+                TransferSource::Inline(function)
+            }
+        }
     }
 }
 

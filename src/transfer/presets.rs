@@ -1,6 +1,6 @@
 //! The transfer functions inside the program: the files of `transfer_functions/`.
 //!
-//! `murray-6a.png` and `murray-7b.png` are made by [`strip_6a`] and [`map_7b`]; a test compares them, and writes them
+//! `murray-6a.png` and `murray-7b.png` are made by `strip_6a` and `map_7b`; a test compares them, and writes them
 //! anew when `PELLUCID_WRITE_PRESETS` is set.
 
 use include_dir::{Dir, include_dir};

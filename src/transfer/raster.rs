@@ -34,6 +34,11 @@ impl Raster {
         &self.path
     }
 
+    /// Whether the image has been read.
+    pub(super) fn is_loaded(&self) -> bool {
+        self.pixels.is_some()
+    }
+
     /// Decodes a PNG into this raster.
     ///
     /// # Errors

@@ -1,5 +1,4 @@
 use super::*;
-use crate::settings::Settings;
 
 fn resolve(name: &str) -> TransferFunction {
     TransferSource::Named(name.to_owned()).resolve(None).unwrap_or_else(|e| panic!("{e}"))
@@ -236,6 +235,22 @@ fn images_are_read_as_plain_numbers_beside_the_file_that_names_them() {
 }
 
 #[test]
+fn a_source_can_be_used_from_another_folder_and_a_resolved_function_again() {
+    let folder = tempfile::tempdir().unwrap();
+    image::GrayImage::from_pixel(1, 1, image::Luma([51])).save(folder.path().join("o.png")).unwrap();
+    let text = "[color]\npoints = [{ kappa = 0, color = 0.5 }]\n[opacity]\nimage = 'o.png'\n";
+    let inline = TransferSource::Inline(Box::new(TransferFunction::from_toml(text, "inline").unwrap()));
+    assert!(inline.resolve(None).is_err(), "o.png is not in the current folder");
+    let function = inline.clone().rebased(folder.path()).resolve(None).unwrap();
+    assert_eq!(function.opacity.constant(), Some(0.2));
+    assert_eq!(inline.resolve(Some(folder.path())).unwrap().bake(), function.bake());
+    assert_eq!(TransferSource::Inline(Box::new(function.clone())).resolve(None).unwrap(), function, "loaded already");
+    std::fs::write(folder.path().join("f.toml"), text).unwrap();
+    assert!(TransferSource::Named("f.toml".to_owned()).rebased(folder.path()).resolve(None).is_ok());
+    assert_eq!(TransferSource::default().rebased(folder.path()), TransferSource::default());
+}
+
+#[test]
 fn an_unknown_name_lists_the_known_and_a_missing_file_its_path() {
     let e = TransferSource::Named("pelucid".to_owned()).resolve(None).unwrap_err().to_string();
     assert!(e.contains("'pelucid'") && e.contains("murray-6a-7a") && e.contains("x-ray"), "{e}");
@@ -244,19 +259,19 @@ fn an_unknown_name_lists_the_known_and_a_missing_file_its_path() {
 }
 
 #[test]
-fn a_function_may_stand_in_a_settings_file() {
-    let mut settings = Settings::default();
-    let text = GOOD.replace("[color]", "[opacity.transfer.color]").replace("[opacity]", "[opacity.transfer.opacity]");
-    let read = Settings::from_toml(&text).unwrap();
+fn a_source_reads_a_name_or_a_table_from_any_format() {
     let inline = TransferFunction::from_toml(GOOD, "good").unwrap();
-    assert_eq!(read.opacity.transfer, TransferSource::Inline(Box::new(inline.clone())));
-    assert_eq!(read.opacity.transfer.resolve(None).unwrap(), inline);
-    assert_eq!(Settings::from_toml(&read.to_toml().unwrap()).unwrap(), read);
-    let json = serde_json::to_string(&read.opacity.transfer).unwrap();
-    assert_eq!(serde_json::from_str::<TransferSource>(&json).unwrap(), read.opacity.transfer);
-    let e = Settings::from_toml(&text.replace("[0, 0.5]", "[0, 5.0]")).unwrap_err().to_string();
-    assert!(e.contains("opacity.transfer") && e.contains("opacity = 5"), "{e}");
-    settings.set("opacity.transfer", "x-ray").unwrap();
-    assert_eq!(settings.opacity.transfer, TransferSource::Named("x-ray".to_owned()));
-    assert_eq!(Settings::from_toml(&settings.to_toml().unwrap()).unwrap(), settings);
+    let source = TransferSource::Inline(Box::new(inline.clone()));
+    assert_eq!(source.resolve(None).unwrap(), inline);
+    for source in [source, TransferSource::default()] {
+        let json = serde_json::to_string(&source).unwrap();
+        assert_eq!(serde_json::from_str::<TransferSource>(&json).unwrap(), source);
+        let value = toml::Value::try_from(&source).unwrap();
+        assert_eq!(value.try_into::<TransferSource>().unwrap(), source);
+    }
+    let e = serde_json::from_str::<TransferSource>("{\"color\": 1}").unwrap_err().to_string();
+    assert!(e.contains("expected struct"), "{e}");
+    assert!(
+        serde_json::from_str::<TransferSource>("7").unwrap_err().to_string().contains("a name, a path, or a table")
+    );
 }

@@ -1,0 +1,274 @@
+//! What is in a file, for people and as JSON.
+
+use std::fmt::Write;
+
+use serde::Serialize;
+
+use super::failure::printable;
+use super::load::kind_name;
+use super::output::grouped;
+use crate::math::Bounds;
+use crate::scene::{AlphaMode, Scene, SceneStats};
+
+/// What is in a scene. Positions are in the file's own coordinates.
+#[derive(Serialize)]
+pub struct Report {
+    name: String,
+    triangles: u64,
+    vertices: u64,
+    bounds: Option<BoxFacts>,
+    parts: Vec<PartFacts>,
+    nodes: Vec<NodeFacts>,
+    materials: Vec<MaterialFacts>,
+    images: Vec<ImageFacts>,
+    cameras: Vec<String>,
+    notices: Vec<NoticeFacts>,
+}
+
+#[derive(Serialize)]
+struct BoxFacts {
+    min: [f64; 3],
+    max: [f64; 3],
+}
+
+#[derive(Serialize)]
+struct PartFacts {
+    name: String,
+    node: usize,
+    mesh: usize,
+    triangles: u32,
+    materials: Vec<usize>,
+    bounds: Option<BoxFacts>,
+}
+
+#[derive(Serialize)]
+struct NodeFacts {
+    name: String,
+    parent: Option<usize>,
+    children: Vec<usize>,
+    mesh: Option<usize>,
+    part: Option<usize>,
+}
+
+#[derive(Serialize)]
+struct MaterialFacts {
+    name: String,
+    base_color: [f32; 4],
+    metallic: f32,
+    roughness: f32,
+    alpha: &'static str,
+    textures: usize,
+    emissive: bool,
+    unlit: bool,
+}
+
+#[derive(Serialize)]
+struct ImageFacts {
+    name: String,
+    width: u32,
+    height: u32,
+}
+
+#[derive(Serialize)]
+struct NoticeFacts {
+    kind: &'static str,
+    message: String,
+}
+
+impl Report {
+    /// Collects the facts of a scene.
+    pub fn of(scene: &Scene) -> Report {
+        let stats = SceneStats::of(scene);
+        let box_of = |b: &Bounds| {
+            (!b.is_empty())
+                .then(|| BoxFacts { min: (b.min + scene.origin).to_array(), max: (b.max + scene.origin).to_array() })
+        };
+        let parts = scene.parts.iter().map(|part| {
+            let mut materials: Vec<usize> =
+                scene.meshes.get(part.mesh).into_iter().flat_map(|m| &m.primitives).map(|p| p.material).collect();
+            materials.sort_unstable();
+            materials.dedup();
+            PartFacts {
+                name: part.name.clone(),
+                node: part.node,
+                mesh: part.mesh,
+                triangles: part.triangle_count,
+                materials,
+                bounds: box_of(&part.bounds),
+            }
+        });
+        let nodes = scene.nodes.iter().enumerate().map(|(i, node)| NodeFacts {
+            name: node.name.clone(),
+            parent: node.parent,
+            children: node.children.clone(),
+            mesh: node.mesh,
+            part: scene.parts.iter().position(|p| p.node == i),
+        });
+        let materials = scene.materials.iter().map(|m| MaterialFacts {
+            name: m.name.clone(),
+            base_color: m.base_color,
+            metallic: m.metallic,
+            roughness: m.roughness,
+            alpha: match m.alpha_mode {
+                AlphaMode::Opaque => "opaque",
+                AlphaMode::Mask { .. } => "mask",
+                AlphaMode::Blend => "blend",
+            },
+            textures: m.texture_refs().count(),
+            emissive: m.emissive != [0.0; 3],
+            unlit: m.unlit,
+        });
+        let image = |i: &std::sync::Arc<crate::scene::Image>| ImageFacts {
+            name: i.name.clone(),
+            width: i.width,
+            height: i.height,
+        };
+        let notice = |n: &crate::scene::Notice| NoticeFacts { kind: kind_name(n.kind), message: n.message.clone() };
+        Report {
+            name: scene.name.clone(),
+            triangles: stats.triangles,
+            vertices: stats.vertices,
+            bounds: box_of(&stats.bounds),
+            parts: parts.collect(),
+            nodes: nodes.collect(),
+            materials: materials.collect(),
+            images: scene.images.iter().map(image).collect(),
+            cameras: scene.cameras.iter().map(|c| c.name.clone()).collect(),
+            notices: scene.notices.iter().map(notice).collect(),
+        }
+    }
+
+    /// The report for people.
+    pub fn text(&self) -> String {
+        let mut out = String::new();
+        // Writing to a string cannot fail.
+        let _ = self.write(&mut out);
+        out
+    }
+
+    fn write(&self, out: &mut String) -> std::fmt::Result {
+        writeln!(
+            out,
+            "{}: {} parts, {} triangles, {} vertices, {} materials, {} images",
+            printable(&self.name),
+            grouped(self.parts.len() as u64),
+            grouped(self.triangles),
+            grouped(self.vertices),
+            self.materials.len(),
+            self.images.len()
+        )?;
+        match &self.bounds {
+            Some(b) => writeln!(out, "bounds: {:?} to {:?}", b.min, b.max)?,
+            None => writeln!(out, "bounds: empty")?,
+        }
+        writeln!(out, "\nhierarchy")?;
+        self.write_hierarchy(out)?;
+        writeln!(out, "\nmaterials")?;
+        for (i, m) in self.materials.iter().enumerate() {
+            write!(out, "  {i} '{}' {}, base {:?}", printable(&m.name), m.alpha, m.base_color)?;
+            write!(out, ", metallic {}, roughness {}, {} textures", m.metallic, m.roughness, m.textures)?;
+            let extra = [(m.emissive, ", emissive"), (m.unlit, ", unlit")];
+            let extra: String = extra.iter().filter(|(is, _)| *is).map(|(_, word)| *word).collect();
+            writeln!(out, "{extra}")?;
+        }
+        if !self.cameras.is_empty() {
+            writeln!(out, "\ncameras")?;
+            for (i, name) in self.cameras.iter().enumerate() {
+                writeln!(out, "  {i} '{}'", printable(name))?;
+            }
+        }
+        if !self.notices.is_empty() {
+            writeln!(out, "\nnotices")?;
+            for notice in &self.notices {
+                writeln!(out, "  {}: {}", notice.kind, printable(&notice.message))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Nodes as an indented tree. With a stack, since a file may nest them as deep as it likes.
+    fn write_hierarchy(&self, out: &mut String) -> std::fmt::Result {
+        let mut stack: Vec<(usize, usize)> =
+            (0..self.nodes.len()).rev().filter(|&i| self.nodes[i].parent.is_none()).map(|i| (i, 1)).collect();
+        let mut shown = vec![false; self.nodes.len()];
+        while let Some((i, depth)) = stack.pop() {
+            let Some(node) = self.nodes.get(i) else { continue };
+            if std::mem::replace(&mut shown[i], true) {
+                continue;
+            }
+            let part = node.part.and_then(|p| self.parts.get(p).map(|part| (p, part)));
+            let name = match part {
+                Some((_, part)) => &part.name,
+                None if node.name.is_empty() => "(no name)",
+                None => &node.name,
+            };
+            write!(out, "{}{}", "  ".repeat(depth.min(32)), printable(name))?;
+            if let Some((p, part)) = part {
+                write!(out, ": part {p}, {} triangles, material {:?}", grouped(part.triangles.into()), part.materials)?;
+            }
+            writeln!(out)?;
+            stack.extend(node.children.iter().rev().map(|&child| (child, depth + 1)));
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DMat4;
+
+    use super::*;
+    use crate::scene::{Material, Mesh, Node, Primitive};
+
+    fn scene(offset: f64) -> Scene {
+        let primitive = Primitive {
+            positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+            normals: vec![[0.0, 0.0, 1.0]; 3],
+            triangles: vec![[0, 1, 2]],
+            ..Primitive::default()
+        };
+        let mut child = Node::root("wheel\n\u{1b}[31m", Some(0), DMat4::from_translation(glam::DVec3::X * offset));
+        child.parent = Some(0);
+        let mut root = Node::root("car", None, DMat4::IDENTITY);
+        root.children = vec![1];
+        Scene {
+            name: "model".to_owned(),
+            nodes: vec![root, child],
+            meshes: vec![Mesh { name: String::new(), primitives: vec![primitive] }],
+            materials: vec![Material::default()],
+            ..Scene::default()
+        }
+        .finish()
+        .unwrap()
+    }
+
+    #[test]
+    fn text_shows_the_tree_and_no_control_characters() {
+        let text = Report::of(&scene(0.0)).text();
+        assert!(text.starts_with("model: 1 parts, 1 triangles, 3 vertices, 1 materials, 0 images\n"), "{text}");
+        assert!(text.contains("  car\n    wheel\u{fffd}\u{fffd}[31m: part 0, 1 triangles, material [0]\n"), "{text}");
+    }
+
+    #[test]
+    fn json_has_bounds_in_the_files_coordinates() {
+        let json = serde_json::to_value(Report::of(&scene(1e6))).unwrap();
+        assert_eq!(json["bounds"]["min"][0], 1e6);
+        assert_eq!(json["bounds"]["max"][0], 1e6 + 1.0);
+        assert_eq!(json["nodes"][1]["parent"], 0);
+        assert_eq!(json["nodes"][1]["part"], 0);
+        assert_eq!(json["notices"][0]["kind"], "computed");
+    }
+
+    #[test]
+    fn a_deep_chain_and_an_empty_scene_are_shown() {
+        let nodes = (0..100_000_usize).map(|i| {
+            let mut node = Node::root("n", None, DMat4::IDENTITY);
+            node.parent = i.checked_sub(1);
+            node.children = if i + 1 < 100_000 { vec![i + 1] } else { Vec::new() };
+            node
+        });
+        let text = Report::of(&Scene { nodes: nodes.collect(), ..Scene::default() }).text();
+        assert_eq!(text.lines().filter(|l| l.ends_with(" n")).count(), 100_000);
+        assert!(text.contains("bounds: empty"));
+    }
+}

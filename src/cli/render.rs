@@ -1,0 +1,109 @@
+//! The renderer as the command line sees it. Nothing else in this room names the GPU, the planner or the renderer.
+
+use serde::Serialize;
+
+use super::failure::{Exit, Failure, printable};
+use super::output::grouped;
+use crate::gpu::{AdapterFacts, Gpu, GpuOptions};
+use crate::math::Camera;
+use crate::plan::FramePlan;
+use crate::render::{Frame, FrameReport, GpuScene, RenderError, Renderer};
+use crate::scene::Scene;
+use crate::settings::Settings;
+
+/// A scene on an adapter.
+pub struct Session {
+    renderer: Renderer,
+    scene: GpuScene,
+}
+
+impl Session {
+    /// Takes an adapter (`WGPU_BACKEND` and `WGPU_ADAPTER_NAME` choose among several) and uploads the scene.
+    ///
+    /// # Errors
+    /// [`Exit::NoAdapter`], or as [`Session::render`].
+    pub fn open(scene: &Scene) -> Result<Session, Failure> {
+        let gpu = Gpu::new(&GpuOptions::default()).map_err(|e| Failure::of(Exit::NoAdapter, &e))?;
+        let mut renderer = Renderer::new(gpu).map_err(failed)?;
+        let scene = renderer.load(scene).map_err(failed)?;
+        Ok(Session { renderer, scene })
+    }
+
+    /// Renders a picture.
+    ///
+    /// # Errors
+    /// [`Exit::Limits`] if the planner refuses, [`Exit::General`] otherwise.
+    pub fn render(&mut self, camera: &Camera, settings: &Settings, size: [u32; 2]) -> Result<Frame, Failure> {
+        self.renderer.render(&self.scene, camera, settings, size).map_err(failed)
+    }
+
+    /// Plans a picture without rendering it.
+    ///
+    /// # Errors
+    /// As [`Session::render`].
+    pub fn plan(&self, camera: &Camera, settings: &Settings, size: [u32; 2]) -> Result<FramePlan, Failure> {
+        self.renderer.plan(&self.scene, camera, settings, size).map_err(failed)
+    }
+}
+
+fn failed(error: RenderError) -> Failure {
+    let exit = match &error {
+        RenderError::Refused(_) | RenderError::RowTooDeep { .. } => Exit::Limits,
+        _ => Exit::General,
+    };
+    Failure::of(exit, &error)
+}
+
+/// What became of the layers, how long it took and on what, in one line.
+pub fn summary(name: &str, size: [u32; 2], report: &FrameReport) -> String {
+    let layers = &report.layers;
+    let mut text = format!(
+        "{name}: {}×{}, layers: {} stored, {} merged, {} dropped",
+        size[0],
+        size[1],
+        grouped(layers.stored),
+        grouped(layers.merged),
+        grouped(layers.dropped)
+    );
+    if layers.lost > 0 {
+        text += &format!(", {} LOST", grouped(layers.lost));
+    }
+    text + &format!("; {:.1} ms on {}", report.milliseconds, report.adapter.name)
+}
+
+/// The adapters of this machine, as text or JSON.
+///
+/// # Errors
+/// [`Exit::NoAdapter`] if none can be used; the list is given all the same.
+pub fn adapters(as_json: bool) -> Result<(), Failure> {
+    #[derive(Serialize)]
+    struct Listing<'a> {
+        adapters: &'a [AdapterFacts],
+    }
+    let found = Gpu::adapters();
+    let text = if as_json {
+        super::output::json(&Listing { adapters: &found })?
+    } else {
+        found.iter().map(describe).collect()
+    };
+    super::output::print(text.as_bytes())?;
+    if found.iter().any(|a| a.unusable.is_none()) {
+        Ok(())
+    } else {
+        Err(Failure::new(Exit::NoAdapter, "no graphics adapter can be used; on Debian, mesa-vulkan-drivers has one"))
+    }
+}
+
+fn describe(adapter: &AdapterFacts) -> String {
+    let AdapterFacts { name, driver, driver_info, backend, device_type, features, limits, unusable, .. } = adapter;
+    let usable = unusable.as_ref().map_or_else(|| "can be used".to_owned(), |why| format!("cannot be used: {why}"));
+    let limits: Vec<String> = limits.iter().map(|(limit, value)| format!("{limit} {}", grouped(*value))).collect();
+    format!(
+        "{}\n  {backend}, {device_type}, driver {}\n  {}\n  features: {}\n  limits: {}\n",
+        printable(name),
+        printable(&format!("{driver} {driver_info}")),
+        printable(&usable),
+        features.join(", "),
+        limits.join(", ")
+    )
+}

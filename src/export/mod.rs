@@ -1,0 +1,4 @@
+//! What leaves the program: pictures and files.
+
+pub mod image;
+pub mod png;
