@@ -16,7 +16,7 @@ use super::{Gpu, GpuError};
 static FILES: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/shaders");
 
 /// A shader: root file, further modules, constants, generated text.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub struct ShaderSpec {
     /// Root file below `shaders/`, without `.wgsl`.
     pub root: &'static str,

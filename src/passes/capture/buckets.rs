@@ -9,21 +9,39 @@ use super::sort;
 use crate::gpu::{GpuError, ShaderSpec};
 use crate::passes::Context;
 use crate::passes::store::StoreModules;
-use crate::plan::{Capture, Pass};
+use crate::plan::{Capture, FramePlan, Pass};
+
+/// The shader of [`part_lookup`].
+pub fn part_lookup_spec(plan: &FramePlan) -> ShaderSpec {
+    let modules = StoreModules::of(plan);
+    let part_of =
+        if plan.capture.is_wide() { "passes/buckets/part_of_wide64" } else { "passes/buckets/part_of_packed32" };
+    modules.keys(modules.layout(ShaderSpec::new("passes/buckets/part_lookup").with(part_of)))
+}
+
+/// The shaders of [`z_reordering`], one for each class of lengths that the capture can have.
+pub fn z_reordering_specs(plan: &FramePlan) -> Vec<ShaderSpec> {
+    let elements = StoreModules::of(plan).layout(ShaderSpec::new("passes/sort/elements_by_part"));
+    match plan.capture {
+        Capture::BucketedKBuffer { k, .. } => {
+            let largest = k.next_power_of_two().trailing_zeros();
+            (0..=largest).map(|class| sort::with_network(elements.clone(), class)).collect()
+        }
+        Capture::Compacted | Capture::None => sort::all_classes(&elements),
+    }
+}
+
+/// The shader of [`bucket_creation`].
+pub fn bucket_creation_spec(plan: &FramePlan) -> ShaderSpec {
+    StoreModules::of(plan).layout(ShaderSpec::new("passes/buckets/bucket_creation"))
+}
 
 /// Fills the part column.
 ///
 /// # Errors
 /// [`GpuError`] of the device.
 pub fn part_lookup(context: &mut Context<'_>) -> Result<(), GpuError> {
-    let modules = StoreModules::of(context.plan);
-    let part_of = if context.plan.capture.is_wide() {
-        "passes/buckets/part_of_wide64"
-    } else {
-        "passes/buckets/part_of_packed32"
-    };
-    let spec = modules.keys(modules.layout(ShaderSpec::new("passes/buckets/part_lookup").with(part_of)));
-    context.per_pixel(Pass::PartLookup, &spec, "main")
+    context.per_pixel(Pass::PartLookup, &part_lookup_spec(context.plan), "main")
 }
 
 /// Sorts the layers of every pixel by (part, depth).
@@ -31,24 +49,18 @@ pub fn part_lookup(context: &mut Context<'_>) -> Result<(), GpuError> {
 /// # Errors
 /// [`GpuError`] of the device.
 pub fn z_reordering(context: &mut Context<'_>) -> Result<(), GpuError> {
-    let modules = StoreModules::of(context.plan);
-    let elements = || modules.layout(ShaderSpec::new("passes/sort/elements_by_part"));
+    let specs = z_reordering_specs(context.plan);
     match context.plan.capture {
-        Capture::BucketedKBuffer { k, .. } => {
-            for class in 0..=k.next_power_of_two().trailing_zeros() {
-                context.per_pixel(Pass::ZReordering, &sort::with_network(elements(), class), "main")?;
+        Capture::BucketedKBuffer { .. } => {
+            for spec in &specs {
+                context.per_pixel(Pass::ZReordering, spec, "main")?;
             }
         }
         Capture::Compacted | Capture::None => {
             let arguments = context.resources.require("z reordering", "sort_arguments")?.clone();
-            for class in 0..=sort::LARGEST_CLASS {
-                let spec = if class == sort::LARGEST_CLASS {
-                    sort::with_long_lists(elements())
-                } else {
-                    sort::with_network(elements(), class)
-                };
-                let kernel = context.shaders.kernel(&spec, "main")?;
-                let at = (&arguments, u64::from(class) * 12);
+            for (class, spec) in (0_u64..).zip(&specs) {
+                let kernel = context.shaders.kernel(spec, "main")?;
+                let at = (&arguments, class * 12);
                 context.recorder.compute_indirect(Pass::ZReordering, &kernel, &context.frame, context.resources, at)?;
             }
         }
@@ -61,7 +73,5 @@ pub fn z_reordering(context: &mut Context<'_>) -> Result<(), GpuError> {
 /// # Errors
 /// [`GpuError`] of the device.
 pub fn bucket_creation(context: &mut Context<'_>) -> Result<(), GpuError> {
-    let modules = StoreModules::of(context.plan);
-    let spec = modules.layout(ShaderSpec::new("passes/buckets/bucket_creation"));
-    context.per_pixel(Pass::BucketCreation, &spec, "main")
+    context.per_pixel(Pass::BucketCreation, &bucket_creation_spec(context.plan), "main")
 }

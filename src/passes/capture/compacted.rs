@@ -13,19 +13,43 @@ use crate::gpu::{GpuError, ShaderSpec};
 use crate::passes::Context;
 use crate::passes::geometry::{GpuScene, Vertices, draw};
 use crate::passes::store::StoreModules;
-use crate::plan::Pass;
+use crate::plan::{FramePlan, Pass};
+
+/// The shader of [`count`], over a vertex stage.
+pub fn count_spec(vertex: ShaderSpec) -> ShaderSpec {
+    vertex.with("passes/capture/compacted/count")
+}
+
+/// The entry points of [`prefix_sum_spec`].
+pub const PREFIX_SUM_ENTRIES: [&str; 3] = ["sum_rows", "scan_rows", "offset_rows"];
+
+/// The shader of [`sum_rows`] and [`prefix_sum`].
+pub fn prefix_sum_spec() -> ShaderSpec {
+    ShaderSpec::new("passes/capture/compacted/prefix_sum")
+        .constant("LARGEST_CLASS", format!("{}u", sort::LARGEST_CLASS))
+}
+
+/// The shader of [`append`], over a vertex stage.
+pub fn append_spec(plan: &FramePlan, vertex: ShaderSpec) -> ShaderSpec {
+    StoreModules::of(plan).normals(vertex.with("passes/capture/compacted/append"))
+}
+
+/// The shaders of [`sort_by_depth`], one for each class of lengths.
+pub fn sort_specs(plan: &FramePlan) -> Vec<ShaderSpec> {
+    sort::all_classes(&StoreModules::of(plan).layout(ShaderSpec::new("passes/sort/elements_by_depth")))
+}
+
+/// The shader of [`gather`].
+pub fn gather_spec() -> ShaderSpec {
+    ShaderSpec::new("passes/capture/compacted/gather")
+}
 
 /// Geometry pass: counts the fragments of every pixel into `pixel_counts`, which must be zero.
 ///
 /// # Errors
 /// [`GpuError`] of the device.
 pub fn count(context: &mut Context<'_>, scene: &GpuScene) -> Result<(), GpuError> {
-    draw(context, scene, Pass::Count, Vertices::Depth, &|spec| spec.with("passes/capture/compacted/count"))
-}
-
-fn prefix_sum_spec() -> ShaderSpec {
-    ShaderSpec::new("passes/capture/compacted/prefix_sum")
-        .constant("LARGEST_CLASS", format!("{}u", sort::LARGEST_CLASS))
+    draw(context, scene, Pass::Count, Vertices::Depth, &count_spec)
 }
 
 /// Sums the counts of every row into `row_sums`.
@@ -33,8 +57,9 @@ fn prefix_sum_spec() -> ShaderSpec {
 /// # Errors
 /// [`GpuError`] of the device.
 pub fn sum_rows(context: &mut Context<'_>) -> Result<(), GpuError> {
+    let [sum_rows, ..] = PREFIX_SUM_ENTRIES;
     let groups = [context.rows(), 1, 1];
-    context.compute(Pass::PrefixSum, &prefix_sum_spec(), "sum_rows", groups)
+    context.compute(Pass::PrefixSum, &prefix_sum_spec(), sum_rows, groups)
 }
 
 /// Turns counts into offsets, from the sums of the rows.
@@ -42,9 +67,10 @@ pub fn sum_rows(context: &mut Context<'_>) -> Result<(), GpuError> {
 /// # Errors
 /// [`GpuError`] of the device.
 pub fn prefix_sum(context: &mut Context<'_>) -> Result<(), GpuError> {
+    let [_, scan_rows, offset_rows] = PREFIX_SUM_ENTRIES;
     let groups = [context.rows(), 1, 1];
-    context.compute(Pass::PrefixSum, &prefix_sum_spec(), "scan_rows", [1, 1, 1])?;
-    context.compute(Pass::PrefixSum, &prefix_sum_spec(), "offset_rows", groups)
+    context.compute(Pass::PrefixSum, &prefix_sum_spec(), scan_rows, [1, 1, 1])?;
+    context.compute(Pass::PrefixSum, &prefix_sum_spec(), offset_rows, groups)
 }
 
 /// Geometry pass: appends key and surface of every fragment to its pixel's run.
@@ -52,10 +78,8 @@ pub fn prefix_sum(context: &mut Context<'_>) -> Result<(), GpuError> {
 /// # Errors
 /// [`GpuError`] of the device.
 pub fn append(context: &mut Context<'_>, scene: &GpuScene) -> Result<(), GpuError> {
-    let modules = StoreModules::of(context.plan);
-    draw(context, scene, Pass::Append, Vertices::Surface, &|spec| {
-        modules.normals(spec.with("passes/capture/compacted/append"))
-    })
+    let plan = context.plan;
+    draw(context, scene, Pass::Append, Vertices::Surface, &|vertex| append_spec(plan, vertex))
 }
 
 /// Sorts every pixel's run by (depth, triangle number).
@@ -64,15 +88,9 @@ pub fn append(context: &mut Context<'_>, scene: &GpuScene) -> Result<(), GpuErro
 /// [`GpuError`] of the device.
 pub fn sort_by_depth(context: &mut Context<'_>) -> Result<(), GpuError> {
     let arguments = context.resources.require("sort", "sort_arguments")?.clone();
-    for class in 0..=sort::LARGEST_CLASS {
-        let elements = StoreModules::of(context.plan).layout(ShaderSpec::new("passes/sort/elements_by_depth"));
-        let spec = if class == sort::LARGEST_CLASS {
-            sort::with_long_lists(elements)
-        } else {
-            sort::with_network(elements, class)
-        };
+    for (class, spec) in (0_u64..).zip(sort_specs(context.plan)) {
         let kernel = context.shaders.kernel(&spec, "main")?;
-        let at = (&arguments, u64::from(class) * 12);
+        let at = (&arguments, class * 12);
         context.recorder.compute_indirect(Pass::Sort, &kernel, &context.frame, context.resources, at)?;
     }
     Ok(())
@@ -83,5 +101,5 @@ pub fn sort_by_depth(context: &mut Context<'_>) -> Result<(), GpuError> {
 /// # Errors
 /// [`GpuError`] of the device.
 pub fn gather(context: &mut Context<'_>) -> Result<(), GpuError> {
-    context.per_pixel(Pass::Gather, &ShaderSpec::new("passes/capture/compacted/gather"), "main")
+    context.per_pixel(Pass::Gather, &gather_spec(), "main")
 }

@@ -68,6 +68,12 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {{
     spec
 }
 
+/// A shader for every class, in order, over one that declares elements and has `layer_count`.
+pub fn all_classes(elements: &ShaderSpec) -> Vec<ShaderSpec> {
+    let networks = (0..LARGEST_CLASS).map(|class| with_network(elements.clone(), class));
+    networks.chain([with_long_lists(elements.clone())]).collect()
+}
+
 /// Adds the entry point `main` that sorts the lists longer than any network.
 pub fn with_long_lists(spec: ShaderSpec) -> ShaderSpec {
     spec.with("passes/sort/long_lists").constant("LARGEST_NETWORK", format!("{LARGEST_NETWORK}u"))
