@@ -268,6 +268,8 @@ pub struct FramePlan {
     pub buffers: Vec<PlannedBuffer>,
     /// Rows above and below a band that it needs besides its own.
     pub apron: u32,
+    /// Most rows of a band: those whose per-pixel buffers fit a binding.
+    pub most_rows: u32,
     /// The bands, from top to bottom. For [`Capture::Compacted`] they are an estimate: the count decides.
     pub bands: Vec<Band>,
 }
@@ -415,6 +417,7 @@ pub fn plan(
         skipped: draft.skipped,
         buffers: Vec::new(),
         apron,
+        most_rows: size[1],
         bands: Vec::new(),
     };
     memory::fill(&mut plan, scene, view, capabilities)?;

@@ -31,29 +31,15 @@ pub fn part_lookup(context: &mut Context<'_>) -> Result<(), GpuError> {
 /// # Errors
 /// [`GpuError`] of the device.
 pub fn z_reordering(context: &mut Context<'_>) -> Result<(), GpuError> {
-    let modules = StoreModules::of(context.plan);
-    let elements = || modules.layout(ShaderSpec::new("passes/sort/elements_by_part"));
-    match context.plan.capture {
+    let longest = match context.plan.capture {
         Capture::BucketedKBuffer { k, .. } => {
-            for class in 0..=k.next_power_of_two().trailing_zeros() {
-                context.per_pixel(Pass::ZReordering, &sort::with_network(elements(), class), "main")?;
-            }
+            sort::classify(context, Pass::ZReordering)?;
+            k
         }
-        Capture::Compacted | Capture::None => {
-            let arguments = context.resources.require("z reordering", "sort_arguments")?.clone();
-            for class in 0..=sort::LARGEST_CLASS {
-                let spec = if class == sort::LARGEST_CLASS {
-                    sort::with_long_lists(elements())
-                } else {
-                    sort::with_network(elements(), class)
-                };
-                let kernel = context.shaders.kernel(&spec, "main")?;
-                let at = (&arguments, u64::from(class) * 12);
-                context.recorder.compute_indirect(Pass::ZReordering, &kernel, &context.frame, context.resources, at)?;
-            }
-        }
-    }
-    Ok(())
+        // The sort by depth has listed the pixels already.
+        Capture::Compacted | Capture::None => context.deepest,
+    };
+    sort::sort(context, Pass::ZReordering, "passes/sort/elements_by_part", longest)
 }
 
 /// Builds the bucket table of every pixel.

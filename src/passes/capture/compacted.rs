@@ -63,19 +63,8 @@ pub fn append(context: &mut Context<'_>, scene: &GpuScene) -> Result<(), GpuErro
 /// # Errors
 /// [`GpuError`] of the device.
 pub fn sort_by_depth(context: &mut Context<'_>) -> Result<(), GpuError> {
-    let arguments = context.resources.require("sort", "sort_arguments")?.clone();
-    for class in 0..=sort::LARGEST_CLASS {
-        let elements = StoreModules::of(context.plan).layout(ShaderSpec::new("passes/sort/elements_by_depth"));
-        let spec = if class == sort::LARGEST_CLASS {
-            sort::with_long_lists(elements)
-        } else {
-            sort::with_network(elements, class)
-        };
-        let kernel = context.shaders.kernel(&spec, "main")?;
-        let at = (&arguments, u64::from(class) * 12);
-        context.recorder.compute_indirect(Pass::Sort, &kernel, &context.frame, context.resources, at)?;
-    }
-    Ok(())
+    sort::classify(context, Pass::Sort)?;
+    sort::sort(context, Pass::Sort, "passes/sort/elements_by_depth", context.deepest)
 }
 
 /// Brings the surfaces into the sorted order.
