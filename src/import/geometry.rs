@@ -1,0 +1,321 @@
+//! Meshes: triangles with the attributes that are drawn, cleaned of what cannot be.
+
+use glam::{DVec3, Vec3};
+use gltf_json::Root;
+use gltf_json::mesh::{Mode, Primitive as Source};
+use gltf_json::validation::Checked;
+use rayon::prelude::*;
+
+use super::accessor::{Data, missing};
+use super::attributes::{self, Attributes};
+use super::{Fallible, Fault, ImportOptions, Notices, tangents};
+use crate::scene::{Material, Mesh, NoticeKind, Primitive, compute_normals, reweighted_normals};
+
+/// The meshes, with a default material added if a primitive needs it.
+pub(super) struct Geometry {
+    pub(super) meshes: Vec<Mesh>,
+    pub(super) materials: Vec<Material>,
+}
+
+struct Context<'a> {
+    data: &'a Data<'a>,
+    materials: &'a [Material],
+    default_material: usize,
+    quantized: bool,
+    options: &'a ImportOptions,
+}
+
+/// Reads all meshes, shown or not.
+pub(super) fn read<'a>(
+    root: &Root,
+    data: &'a Data<'a>,
+    mut materials: Vec<Material>,
+    options: &ImportOptions,
+    notices: &mut Notices,
+) -> Fallible<Geometry> {
+    let primitives: Vec<(usize, String, &Source)> = root
+        .meshes
+        .iter()
+        .enumerate()
+        .flat_map(|(m, mesh)| {
+            mesh.primitives.iter().enumerate().map(move |(p, s)| (m, format!("meshes[{m}].primitives[{p}]"), s))
+        })
+        .collect();
+    budget(&primitives, data, options)?;
+    let default_material = materials.len();
+    if primitives.iter().any(|(_, _, source)| source.material.is_none()) {
+        materials.push(Material::default());
+    }
+    let context = Context {
+        data,
+        materials: &materials,
+        default_material,
+        quantized: root.extensions_used.iter().chain(&root.extensions_required).any(|e| e == "KHR_mesh_quantization"),
+        options,
+    };
+    let read: Vec<Fallible<(usize, Option<Primitive>, Notices)>> = primitives
+        .into_par_iter()
+        .map(|(mesh, place, source)| {
+            let mut notices = Notices::default();
+            context.primitive(source, &place, &mut notices).map(|p| (mesh, p, notices))
+        })
+        .collect();
+    let names = root.meshes.iter().map(|m| m.name.clone().unwrap_or_default());
+    let mut meshes: Vec<Mesh> = names.map(|name| Mesh { name, primitives: Vec::new() }).collect();
+    for result in read {
+        let (mesh, primitive, told) = result?;
+        notices.append(told);
+        meshes[mesh].primitives.extend(primitive);
+    }
+    Ok(Geometry { meshes, materials })
+}
+
+/// Checks how much all primitives take together, before any is read: several may read the same accessor.
+fn budget(primitives: &[(usize, String, &Source)], data: &Data, options: &ImportOptions) -> Fallible<()> {
+    let (mut vertices, mut triangles) = (0_u64, 0_u64);
+    for (_, place, source) in primitives {
+        let Some(found) = attributes::find(source, data, place, true, &mut Notices::default())? else { continue };
+        let corners = attributes::indices(source, data, place)?.map_or(found.positions.count, |i| i.count);
+        vertices = vertices.saturating_add(corners.min(found.positions.count));
+        triangles = triangles.saturating_add(match source.mode {
+            Checked::Valid(Mode::Triangles) => corners / 3,
+            _ => corners,
+        });
+        let limits = &options.limits;
+        if vertices > limits.vertices {
+            return Err(Fault::limit(place, "vertices of all primitives so far", vertices, limits.vertices));
+        }
+        if triangles > limits.triangles {
+            return Err(Fault::limit(place, "triangles of all primitives so far", triangles, limits.triangles));
+        }
+    }
+    Ok(())
+}
+
+impl Context<'_> {
+    /// One primitive; `None` if nothing of it is drawn.
+    fn primitive(&self, source: &Source, place: &str, notices: &mut Notices) -> Fallible<Option<Primitive>> {
+        let Checked::Valid(mode) = source.mode else {
+            return Err(Fault::invalid(format!("{place}.mode"), "is not one of glTF's primitive modes"));
+        };
+        let material = match source.material.map(|m| m.value()) {
+            None => self.default_material,
+            Some(material) if material < self.materials.len() => material,
+            Some(material) => {
+                return Err(missing(format!("{place}.material"), "material", material, self.materials.len()));
+            }
+        };
+        let Some(found) = attributes::find(source, self.data, place, self.quantized, notices)? else {
+            notices.count(NoticeKind::Ignored, "primitives have no positions and are not shown", 1, place);
+            return Ok(None);
+        };
+        let indices = attributes::indices(source, self.data, place)?;
+        if matches!(mode, Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) {
+            notices.count(NoticeKind::Ignored, "primitives of points or lines are not shown", 1, place);
+            return Ok(None);
+        }
+        let corners = attributes::corners(indices, found.positions.count, place)?;
+        let (mut triangles, left_over) = attributes::triangles(&corners, mode);
+        drop(corners);
+        let what = "indices at the end of a primitive do not make a triangle and were dropped";
+        notices.count(NoticeKind::Repaired, what, left_over as u64, place);
+
+        // Positions first: they decide which triangles, and so which vertices, are there.
+        let used = compact(&mut triangles, found.positions.count);
+        let positions: Vec<[f32; 3]> = used.iter().map(|&v| found.positions.numbers(v)).collect();
+        clean(&mut triangles, &positions, place, notices);
+        let kept = compact(&mut triangles, positions.len() as u64);
+        if triangles.is_empty() {
+            return Ok(None);
+        }
+        let vertices: Vec<u32> = kept.iter().map(|&k| used[k as usize]).collect();
+        let mut primitive = Primitive {
+            positions: kept.iter().map(|&k| positions[k as usize]).collect(),
+            triangles,
+            material,
+            ..Primitive::default()
+        };
+        self.uvs_and_colors(&mut primitive, &found, &vertices, place, notices);
+        let own_normals = self.normals(&mut primitive, &found, &vertices, place, notices);
+        self.tangents(&mut primitive, &found, &vertices, own_normals, place, notices);
+        Ok(Some(primitive))
+    }
+
+    fn uvs_and_colors(
+        &self,
+        p: &mut Primitive,
+        found: &Attributes,
+        vertices: &[u32],
+        place: &str,
+        notices: &mut Notices,
+    ) {
+        for (set, accessor) in found.uvs.iter().enumerate() {
+            let Some(accessor) = accessor else { continue };
+            let mut bad = 0;
+            let read = |&v: &u32| {
+                let uv: [f32; 2] = accessor.numbers(v);
+                if uv.iter().all(|c| c.is_finite()) {
+                    return uv;
+                }
+                bad += 1;
+                [0.0; 2]
+            };
+            p.uvs[set] = vertices.iter().map(read).collect();
+            notices.count(NoticeKind::Repaired, "texture coordinates were not finite and became 0", bad, place);
+        }
+        if let Some(accessor) = found.colors {
+            let opaque = accessor.shape == gltf_json::accessor::Type::Vec3;
+            let whole = accessor.component != gltf_json::accessor::ComponentType::F32 && !accessor.normalized;
+            let what = "primitives have integer vertex colours that are not marked as normalized; read as if they were";
+            notices.count(NoticeKind::Repaired, what, whole.into(), place);
+            let mut bad = 0;
+            let read = |&v: &u32| {
+                let mut color: [f32; 4] = accessor.numbers_as(v, true);
+                if opaque {
+                    color[3] = 1.0;
+                }
+                if color.iter().all(|c| (0.0..=1.0).contains(c)) {
+                    return color;
+                }
+                bad += 1;
+                color.map(|c| if c.is_nan() { 1.0 } else { c.clamp(0.0, 1.0) })
+            };
+            p.colors = vertices.iter().map(read).collect();
+            notices.count(NoticeKind::Repaired, "vertex colours were outside 0 to 1 and were clamped", bad, place);
+        }
+        let material = &self.materials[p.material];
+        let lacking = material.texture_refs().any(|r| p.uvs.get(r.uv_set as usize).is_none_or(Vec::is_empty));
+        let what = "primitives lack the texture coordinates of their material's textures, which are sampled at (0, 0)";
+        notices.count(NoticeKind::Approximated, what, lacking.into(), place);
+    }
+
+    /// Fills in the normals; says whether they are the file's (and so the vertices still the file's).
+    fn normals(
+        &self,
+        p: &mut Primitive,
+        found: &Attributes,
+        vertices: &[u32],
+        place: &str,
+        notices: &mut Notices,
+    ) -> bool {
+        let mut bad = Vec::new();
+        if let Some(accessor) = found.normals {
+            let read = |(i, &v): (usize, &u32)| {
+                let stored: [f32; 3] = accessor.numbers(v);
+                let normal = Vec3::from(stored).as_dvec3();
+                let length = normal.length();
+                // What is a unit vector but for rounding stays bit for bit.
+                if (length - 1.0).abs() < 1e-4 {
+                    return stored;
+                }
+                if !length.is_finite() || length < 1e-12 {
+                    bad.push(i);
+                    return [0.0; 3];
+                }
+                (normal / length).as_vec3().to_array()
+            };
+            p.normals = vertices.iter().enumerate().map(read).collect();
+        }
+        let what = "normals were zero or not finite and were computed";
+        notices.count(NoticeKind::Repaired, what, bad.len() as u64, place);
+        if found.normals.is_none() || bad.len() == vertices.len() {
+            compute_normals(p, self.options.crease_angle);
+            notices.count(NoticeKind::Computed, "primitives without normals were given some", 1, place);
+            return false;
+        }
+        if !bad.is_empty() {
+            let mut smooth =
+                Primitive { positions: p.positions.clone(), triangles: p.triangles.clone(), ..Primitive::default() };
+            compute_normals(&mut smooth, 180.0);
+            for i in bad {
+                p.normals[i] = smooth.normals[i];
+            }
+        }
+        if self.options.reweight_normals && reweighted_normals(p) {
+            let what = "primitives have normals that are plain averages of their facets; they were re-weighted";
+            notices.count(NoticeKind::Computed, what, 1, place);
+        }
+        true
+    }
+
+    fn tangents(
+        &self,
+        p: &mut Primitive,
+        found: &Attributes,
+        vertices: &[u32],
+        own_normals: bool,
+        place: &str,
+        notices: &mut Notices,
+    ) {
+        let Some(map) = self.materials[p.material].normal_texture else { return };
+        // Tangents of a file go with its own normals only.
+        if let Some(accessor) = found.tangents.filter(|_| own_normals) {
+            let mut bad = 0;
+            let read = |(&v, &normal): (&u32, &[f32; 3])| {
+                let [x, y, z, w]: [f32; 4] = accessor.numbers(v);
+                let direction = DVec3::new(x.into(), y.into(), z.into());
+                let length = direction.length();
+                if !length.is_finite() || length < 1e-12 || w.is_nan() {
+                    bad += 1;
+                    return tangents::any(normal);
+                }
+                let [x, y, z] = (direction / length).as_vec3().to_array();
+                [x, y, z, if w < 0.0 { -1.0 } else { 1.0 }]
+            };
+            p.tangents = vertices.iter().zip(&p.normals).map(read).collect();
+            notices.count(NoticeKind::Repaired, "tangents were zero or not finite and were replaced", bad, place);
+            return;
+        }
+        tangents::generate(p, map.uv_set as usize);
+        notices.count(NoticeKind::Computed, "primitives with a normal map were given tangents", 1, place);
+    }
+}
+
+/// Renumbers the vertices of `triangles` so that only used ones are left, in their order; gives the old number of each.
+/// All vertices are below `count`.
+fn compact(triangles: &mut [[u32; 3]], count: u64) -> Vec<u32> {
+    let mut used: Vec<u32> = triangles.as_flattened().to_vec();
+    // A table where it is not much larger than the triangles; else many small primitives on one big accessor would each
+    // pay for all of it.
+    if count <= 16 * used.len() as u64 {
+        let mut table = vec![u32::MAX; count as usize];
+        for &v in &used {
+            table[v as usize] = 0;
+        }
+        used.clear();
+        for (v, entry) in table.iter_mut().enumerate().filter(|(_, entry)| **entry == 0) {
+            *entry = used.len() as u32;
+            used.push(v as u32);
+        }
+        for v in triangles.as_flattened_mut() {
+            *v = table[*v as usize];
+        }
+    } else {
+        used.sort_unstable();
+        used.dedup();
+        for v in triangles.as_flattened_mut() {
+            *v = used.partition_point(|u| u < v) as u32;
+        }
+    }
+    used
+}
+
+/// Drops triangles with a non-finite corner or without area, and tells how many.
+fn clean(triangles: &mut Vec<[u32; 3]>, positions: &[[f32; 3]], place: &str, notices: &mut Notices) {
+    let (mut infinite, mut flat) = (0, 0);
+    triangles.retain(|t| {
+        let [a, b, c] = t.map(|v| Vec3::from(positions[v as usize]).as_dvec3());
+        if !(a.is_finite() && b.is_finite() && c.is_finite()) {
+            infinite += 1;
+            return false;
+        }
+        let (e1, e2, e3) = (b - a, c - a, c - b);
+        let longest = e1.length().max(e2.length()).max(e3.length());
+        // The differences of f32 are all but exact in f64: this is zero but for rounding, not "thin".
+        let has_area = longest > 0.0 && (e1 / longest).cross(e2 / longest).length() > 1e-14;
+        flat += u64::from(!has_area);
+        has_area
+    });
+    notices.count(NoticeKind::Repaired, "triangles with positions that are not finite were dropped", infinite, place);
+    notices.count(NoticeKind::Repaired, "triangles without area were dropped", flat, place);
+}
