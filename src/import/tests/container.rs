@@ -63,6 +63,20 @@ fn bad_json_names_its_place() {
 }
 
 #[test]
+fn extras_and_foreign_extensions_may_hold_anything() {
+    let nonsense = json!({"index": 0.5, "bufferView": "x", "children": [-1], "extensions": 3});
+    let file = Builder::quad()
+        .set("/extras", nonsense.clone())
+        .set("/extensions", json!({"VENDOR_x": nonsense}))
+        .set("/nodes/0/extras", nonsense.clone())
+        .set("/nodes/0/extensions", json!({"VENDOR_y": nonsense}));
+    let scene = file.scene();
+    assert_eq!(scene.triangle_count(), 2);
+    assert_tells(&scene, NoticeKind::Ignored, "VENDOR_x");
+    assert_tells(&scene, NoticeKind::Ignored, "VENDOR_y: the extension is not known (first at nodes[0].extensions");
+}
+
+#[test]
 fn data_uris_and_padding() {
     let quad = Builder::quad();
     let mut json = quad.json.clone();

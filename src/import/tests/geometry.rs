@@ -238,6 +238,43 @@ fn missing_and_broken_normals_are_computed() {
 }
 
 #[test]
+fn averaged_normals_are_re_weighted_unless_switched_off() {
+    // A roof of a wide and a narrow slope; at the ridge the file has the plain average of the two.
+    let slope = |x: f32| Vec3::new(x, 0.0, 1.0).normalize();
+    let ridge = Vec3::Z;
+    let [l, r] = [slope(-1.0), slope(1.0)];
+    let positions = [-4., 0., -4., -4., 1., -4., 0., 0., 0., 0., 1., 0., 1., 0., -1., 1., 1., -1.];
+    let normals: Vec<f32> = [l, l, ridge, ridge, r, r].iter().flat_map(|n| n.to_array()).collect();
+    let file = Builder::new()
+        .attribute("POSITION", floats(&positions), 5126, "VEC3", 6, false)
+        .attribute("NORMAL", floats(&normals), 5126, "VEC3", 6, false)
+        .indices(vec![0, 2, 1, 1, 2, 3, 2, 4, 3, 3, 4, 5], 5121, 12);
+    let scene = file.scene();
+    assert_tells(&scene, NoticeKind::Computed, "re-weighted");
+    // The narrow slope is the better witness of the ridge's direction.
+    assert!(only(&scene).normals[2][0] > 0.3, "{:?}", only(&scene).normals);
+    let options = crate::import::ImportOptions { reweight_normals: false, ..Default::default() };
+    let as_is = crate::import::load_bytes_with(&file.bytes(), "test", None, &options).unwrap();
+    assert_eq!(only(&as_is).normals[2], [0.0, 0.0, 1.0]);
+    assert!(as_is.notices.is_empty());
+}
+
+#[test]
+fn the_crease_angle_is_an_option() {
+    let positions = [-1., 0., -1., -1., 1., -1., 0., 0., 0., 0., 1., 0., 1., 0., -1., 1., 1., -1.];
+    let file = Builder::new().attribute("POSITION", floats(&positions), 5126, "VEC3", 6, false).indices(
+        vec![0, 2, 1, 1, 2, 3, 2, 4, 3, 3, 4, 5],
+        5121,
+        12,
+    );
+    for (crease_angle, vertices) in [(30.0, 8), (89.0, 8), (91.0, 6)] {
+        let options = crate::import::ImportOptions { crease_angle, ..Default::default() };
+        let scene = crate::import::load_bytes_with(&file.bytes(), "test", None, &options).unwrap();
+        assert_eq!(only(&scene).positions.len(), vertices, "{crease_angle} degrees");
+    }
+}
+
+#[test]
 fn tangents_are_computed_where_there_is_a_normal_map() {
     let uvs = [0., 1., 1., 1., 1., 0., 0., 0.];
     let flipped = [1., 1., 0., 1., 0., 0., 1., 0.];
