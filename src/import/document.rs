@@ -165,7 +165,11 @@ fn clean(
             }
         }
         Value::Array(elements) => {
+            let small = SMALL_NUMBERS.contains(&key);
             for (i, element) in elements.iter_mut().enumerate() {
+                if !small && !element.is_array() && !element.is_object() {
+                    continue;
+                }
                 clean(element, key, &format!("{place}[{i}]"), found, notices)?;
             }
         }

@@ -167,6 +167,7 @@ fn accessors_out_of_bounds_are_refused_even_unused() {
         .push(json!({"componentType": 5126, "type": "VEC3", "count": 4}));
     view_less.primitive()["attributes"]["NORMAL"] = 2.into();
     assert_tells(&view_less.scene(), NoticeKind::Repaired, "4 normals were zero");
+    view_less.set("/accessors/2/count", json!(1 << 25)).refused("accessors[2].count");
 }
 
 #[test]

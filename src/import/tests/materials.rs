@@ -163,3 +163,11 @@ fn extensions_are_told_or_refused() {
     assert_eq!(old.scene().materials[0].base_color, [1.0, 0.0, 0.0, 1.0]);
     assert_eq!((old.scene().materials[0].metallic, old.scene().materials[0].roughness), (0.0, 0.25));
 }
+
+#[test]
+fn a_flood_of_notices_is_counted() {
+    let bad = json!({"pbrMetallicRoughness": {"roughnessFactor": -1}});
+    let scene = Builder::quad().set("/materials", vec![bad; 1000].into()).scene();
+    assert!(scene.notices.len() < 250);
+    assert_tells(&scene, NoticeKind::Ignored, "800 more notices");
+}
