@@ -12,6 +12,9 @@ use gltf_json::{Index, Root};
 
 use super::{Fallible, Fault, Limits};
 
+/// An accessor without a buffer view, all zeros but for its sparse part, may have this many elements.
+const MOST_WITHOUT_DATA: u64 = 1 << 24;
+
 /// The buffers with the views and accessors on them.
 pub(super) struct Data<'a> {
     views: Vec<View<'a>>,
@@ -97,6 +100,11 @@ impl<'a> Data<'a> {
         let count = accessor.count.0;
         if count > limits.vertices {
             return Err(Fault::limit(format!("{place}.count"), "elements", count, limits.vertices));
+        }
+        // Without a view nothing in the file bounds the count.
+        let without_data = limits.vertices.min(MOST_WITHOUT_DATA);
+        if accessor.buffer_view.is_none() && count > without_data {
+            return Err(Fault::limit(format!("{place}.count"), "elements without a buffer view", count, without_data));
         }
         let offset = accessor.byte_offset.map_or(0, |o| o.0);
         let mut stride = size;

@@ -69,13 +69,15 @@ pub(super) fn parse(json: &[u8], notices: &mut Notices) -> Fallible<Document> {
         }
         top.insert(list.to_owned(), names.into());
     }
-    for (key, value) in &mut top {
-        clean(value, key, key, &mut extensions, notices)?;
-    }
+    // Whatever is in these is none of glTF's business.
+    top.remove("extras");
     if let Some(Value::Object(found)) = top.remove("extensions") {
         for name in found.keys() {
             extensions.entry(name.clone()).or_insert_with(|| format!("extensions.{name}"));
         }
+    }
+    for (key, value) in &mut top {
+        clean(value, key, key, &mut extensions, notices)?;
     }
     for scene in top.get_mut("scenes").and_then(Value::as_array_mut).into_iter().flatten() {
         if let Value::Object(scene) = scene {
@@ -163,7 +165,11 @@ fn clean(
             }
         }
         Value::Array(elements) => {
+            let small = SMALL_NUMBERS.contains(&key);
             for (i, element) in elements.iter_mut().enumerate() {
+                if !small && !element.is_array() && !element.is_object() {
+                    continue;
+                }
                 clean(element, key, &format!("{place}[{i}]"), found, notices)?;
             }
         }

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use super::accessor::Data;
 use super::{Fallible, Fault, Limits, Notices, uri};
-use crate::scene::Image;
+use crate::scene::{Image, NoticeKind};
 
 /// All images of the file, used or not.
 pub(super) fn read(
@@ -55,9 +55,8 @@ pub(super) fn read(
     let mut images = Vec::with_capacity(decoded.len());
     for (i, result) in decoded.into_iter().enumerate() {
         let (image, deep) = result?;
-        if deep {
-            notices.approximated(format!("images[{i}]: 16 bits a channel were reduced to 8"));
-        }
+        let what = "images of 16 bits a channel were reduced to 8";
+        notices.count(NoticeKind::Approximated, what, deep.into(), &format!("images[{i}]"));
         images.push(Arc::new(image));
     }
     Ok(images)

@@ -13,9 +13,9 @@
 //! From the `gltf` crates only the JSON types are used (`gltf-json`): its reader panics on several malformed files, and
 //! its validation refuses extensions that this program reads or can do without.
 //!
-//! One file passes through the modules in this order: [`container`] (GLB chunks) → [`document`] (JSON, place by place)
-//! → [`extensions`] (what is required, what is left out) → [`buffers`] and [`uri`] → [`accessor`] → [`images`] →
-//! [`materials`] → [`geometry`] (with [`attributes`], [`tangents`] and the scene's normals) → [`nodes`].
+//! One file passes through the modules in this order: `container` (GLB chunks) → `document` (JSON, place by place)
+//! → `extensions` (what is required, what is left out) → `buffers` and `uri` → `accessor` → `images` →
+//! `materials` → `geometry` (with `attributes`, `tangents` and the scene's normals) → `nodes`.
 
 mod accessor;
 mod attributes;
@@ -82,8 +82,8 @@ impl Default for Limits {
     fn default() -> Limits {
         Limits {
             bytes: 4 << 30,
-            vertices: 1 << 28,
-            triangles: 1 << 28,
+            vertices: 1 << 27,
+            triangles: 1 << 27,
             image_side: 16_384,
             image_pixels: 1 << 29,
             node_depth: 1024,

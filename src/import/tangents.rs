@@ -143,3 +143,47 @@ impl Geometry for Input<'_> {
         });
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A disc of `n` triangles around its center, with texture coordinates from the positions (v down).
+    fn disc(n: u32) -> Primitive {
+        let ring = (0..n).map(|i| (std::f64::consts::TAU * f64::from(i) / f64::from(n)).sin_cos());
+        let mut p = Primitive::default();
+        p.positions.push([0.0; 3]);
+        p.positions.extend(ring.map(|(sin, cos)| [cos as f32, sin as f32, 0.0]));
+        p.uvs[0] = p.positions.iter().map(|&[x, y, _]| [0.5 + x, 0.5 - y]).collect();
+        p.normals = vec![[0.0, 0.0, 1.0]; p.positions.len()];
+        p.triangles = (0..n).map(|i| [0, 1 + i, 1 + (i + 1) % n]).collect();
+        p
+    }
+
+    #[test]
+    fn a_disc_has_one_direction() {
+        let mut p = disc(64);
+        generate(&mut p, 0);
+        assert_eq!(p.positions.len(), 65, "nothing is split");
+        for &[x, y, z, w] in &p.tangents {
+            assert!(x > 0.999 && y.abs() < 1e-3 && z.abs() < 1e-3 && w == 1.0);
+        }
+    }
+
+    #[test]
+    fn very_many_triangles_at_a_point_do_not_exhaust_the_stack() {
+        for n in [MOST_TRIANGLES_AT_A_POINT, 200_000] {
+            let mut p = disc(n);
+            generate(&mut p, 0);
+            assert_eq!(p.tangents.len(), p.positions.len());
+            assert!(p.tangents.iter().flatten().all(|c| c.is_finite()));
+        }
+    }
+
+    #[test]
+    fn without_coordinates_tangents_lie_in_the_surface() {
+        let mut p = disc(5);
+        generate(&mut p, 1);
+        assert!(p.tangents.iter().all(|t| t[2].abs() < 1e-6 && t[3] == 1.0));
+    }
+}

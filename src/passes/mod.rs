@@ -39,6 +39,8 @@ pub struct Context<'a> {
     pub resources: &'a Resources,
     /// A target of the image's size that nothing is written to: raster passes take their size from it.
     pub blank: &'a wgpu::TextureView,
+    /// Bound of the length of any pixel's list, where the capture knows one.
+    pub deepest: u32,
     /// The scene's parts in draw order.
     pub instances: std::sync::Arc<geometry::Instances>,
     /// Where passes are recorded.

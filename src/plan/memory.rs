@@ -125,6 +125,9 @@ pub(super) fn fill(
             }));
             buffers.push(PlannedBuffer { name: "pixel_table", bytes: 4 * band_pixels, exact: true });
             buffers.push(PlannedBuffer { name: "tally", bytes: 8 * band_pixels, exact: true });
+            if plan.runs(Pass::ZReordering) {
+                buffers.push(PlannedBuffer { name: "class_pixels", bytes: 4 * band_pixels, exact: true });
+            }
             if tail {
                 buffers.push(PlannedBuffer { name: "tail", bytes: 24 * band_pixels, exact: true });
             }
@@ -136,6 +139,8 @@ pub(super) fn fill(
                 equal_bands(height, (u64::from(height) / bands).max(1) + 2 * u64::from(plan.apron), plan.apron);
             let in_band = fragments.min(limit / WIDEST_COLUMN);
             let exact = false;
+            plan.most_rows = ((limit / 4 - 1) / u64::from(width)).min(u64::from(height)) as u32;
+            let pixels = u64::from(plan.most_rows) * u64::from(width);
             buffers.extend(columns(plan).into_iter().map(|(name, b)| PlannedBuffer {
                 name,
                 bytes: b * in_band,
@@ -143,6 +148,7 @@ pub(super) fn fill(
             }));
             buffers.push(PlannedBuffer { name: "pixel_table", bytes: 4 * (pixels + 1), exact: true });
             buffers.push(PlannedBuffer { name: "cursors", bytes: 4 * pixels, exact: true });
+            buffers.push(PlannedBuffer { name: "class_pixels", bytes: 4 * pixels, exact: true });
         }
     }
     plan.buffers = buffers;
@@ -167,13 +173,14 @@ fn band_around(first: u32, end: u32, height: u32, apron: u32) -> Band {
     }
 }
 
-/// Cuts the image into bands so that none captures more than `most` fragments, from the counted fragments of each row.
+/// Cuts the image into bands so that none captures more than `most` fragments or `most_rows` rows, from the counted
+/// fragments of each row.
 ///
 /// A band has at least one row; if one row with its apron alone exceeds `most`, the row and its count are the error.
 ///
 /// # Errors
 /// `(row, fragments)` of the first row that does not fit.
-pub fn bands_of_rows(row_fragments: &[u64], apron: u32, most: u64) -> Result<Vec<Band>, (u32, u64)> {
+pub fn bands_of_rows(row_fragments: &[u64], apron: u32, most: u64, most_rows: u32) -> Result<Vec<Band>, (u32, u64)> {
     let height = row_fragments.len() as u32;
     let sum = |band: &Band| -> u64 { row_fragments[band.first_row as usize..band.end_row as usize].iter().sum() };
     let mut bands = Vec::new();
@@ -181,13 +188,14 @@ pub fn bands_of_rows(row_fragments: &[u64], apron: u32, most: u64) -> Result<Vec
     while first < height {
         let mut end = height;
         let mut band = band_around(first, end, height, apron);
-        while sum(&band) > most {
+        while sum(&band) > most || band.end_row - band.first_row > most_rows {
             let rows = end - first;
             if rows == 1 {
                 return Err((first, sum(&band)));
             }
             // Aim at what the mean row allows, and at least one row less.
-            let guess = (u64::from(rows) * most / sum(&band).max(1)) as u32;
+            let by_fragments = (u64::from(rows) * most / sum(&band).max(1)) as u32;
+            let guess = by_fragments.min(most_rows.saturating_sub(2 * apron));
             end = first + guess.clamp(1, rows - 1);
             band = band_around(first, end, height, apron);
         }
@@ -205,7 +213,7 @@ mod tests {
     fn bands_cover_every_row_once_and_fit() {
         let rows: Vec<u64> = (0..97).map(|r| 100 + 37 * (r % 11)).collect();
         for apron in [0, 1, 5] {
-            let bands = bands_of_rows(&rows, apron, 6000).unwrap();
+            let bands = bands_of_rows(&rows, apron, 6000, 97).unwrap();
             assert!(bands.len() > 1);
             assert_eq!(bands[0].first_output_row, 0);
             assert_eq!(bands.last().unwrap().end_output_row, 97);
@@ -217,7 +225,8 @@ mod tests {
                 assert_eq!(b.first_row, b.first_output_row.saturating_sub(apron));
             }
         }
-        assert_eq!(bands_of_rows(&[10, 99, 10], 0, 50), Err((1, 99)));
-        assert_eq!(bands_of_rows(&[0; 4], 3, 1).unwrap().len(), 1);
+        assert_eq!(bands_of_rows(&[10, 99, 10], 0, 50, 3), Err((1, 99)));
+        assert_eq!(bands_of_rows(&[0; 40], 1, 1, 10).unwrap().len(), 5);
+        assert_eq!(bands_of_rows(&[0; 4], 3, 1, 4).unwrap().len(), 1);
     }
 }

@@ -8,7 +8,7 @@ use glam::DVec2;
 use super::{Frame, FrameReport, RenderError, Renderer};
 use crate::gpu::{Gpu, GpuError, PassTime, Recorder, Resource};
 use crate::math::{Camera, LinearImage, Projection, ViewFrustum};
-use crate::passes::capture::{LayerCounts, STATISTICS_WORDS, bucketed_k_buffer, buckets, compacted, sort};
+use crate::passes::capture::{BAND_DEEPEST, LayerCounts, STATISTICS_WORDS, bucketed_k_buffer, buckets, compacted, sort};
 use crate::passes::features::{curvature, neighbours};
 use crate::passes::geometry::{GpuScene, Instances};
 use crate::passes::{BlendParameters, Context, FrameUniform, StoreLayout, composite, opacity, opaque, shade};
@@ -231,16 +231,25 @@ fn draw_compacted(
     tally: &mut Tally,
 ) -> Result<(), RenderError> {
     let height = plan.size[1];
-    let whole = Band { first_row: 0, end_row: height, first_output_row: 0, end_output_row: height };
-    let mut work = Work::new(renderer, plan, view, whole, blank)?;
-    count_band(&mut work.context(), view.scene)?;
-    work.submit_times(tally)?;
-    let rows =
-        renderer.gpu.read_buffer(renderer.resources.require("prefix sum", "row_sums")?, 4 * u64::from(height))?;
-    let rows: Vec<u64> = rows.chunks_exact(4).map(|w| u64::from(bytemuck::pod_read_unaligned::<u32>(w))).collect();
+    // A band without apron may hold as many rows as its pixel table fits; usually that is all of them.
+    let mut rows = Vec::with_capacity(height as usize);
+    let mut deepest = 0;
+    for first in (0..height).step_by(plan.most_rows as usize) {
+        let end = height.min(first + plan.most_rows);
+        let piece = Band { first_row: first, end_row: end, first_output_row: first, end_output_row: end };
+        let mut work = Work::new(renderer, plan, view, piece, blank)?;
+        count_band(&mut work.context(), view.scene)?;
+        work.submit_times(tally)?;
+        let words = |name, count: u64| -> Result<Vec<u32>, GpuError> {
+            let bytes = renderer.gpu.read_buffer(renderer.resources.require("prefix sum", name)?, 4 * count)?;
+            Ok(bytes.chunks_exact(4).map(bytemuck::pod_read_unaligned).collect())
+        };
+        rows.extend(words("row_sums", u64::from(end - first))?.into_iter().map(u64::from));
+        deepest = deepest.max(words("statistics", STATISTICS_WORDS as u64)?[BAND_DEEPEST]);
+    }
     let capabilities = renderer.gpu.capabilities();
     let limit = capabilities.max_binding.min(capabilities.max_buffer) / 8;
-    let bands = plan::bands_of_rows(&rows, plan.apron, limit).map_err(|(row, fragments)| RenderError::RowTooDeep {
+    let bands = plan::bands_of_rows(&rows, plan.apron, limit, plan.most_rows).map_err(|(row, fragments)| RenderError::RowTooDeep {
         row,
         fragments,
         limit,
@@ -251,6 +260,7 @@ fn draw_compacted(
         ensure_fragments(renderer, plan, fragments)?;
         let mut work = Work::new(renderer, plan, view, band, blank)?;
         let mut context = work.context();
+        context.deepest = deepest;
         if !single {
             count_band(&mut context, view.scene)?;
         }
@@ -351,6 +361,7 @@ impl<'a> Work<'a> {
             frame: self.frame.clone(),
             resources: &self.renderer.resources,
             blank: self.blank,
+            deepest: u32::MAX,
             instances: Arc::clone(&self.instances),
             recorder: &mut self.recorder,
         }
@@ -465,7 +476,10 @@ fn bind_settings(
     resources.ensure(&gpu, "statistics", 4 * STATISTICS_WORDS as u64)?;
     if plan.capture == Capture::Compacted {
         resources.ensure(&gpu, "row_sums", 4 * u64::from(plan.size[1]))?;
+    }
+    if plan.runs(Pass::Sort) || plan.runs(Pass::ZReordering) {
         resources.ensure(&gpu, "sort_arguments", 12 * u64::from(sort::LARGEST_CLASS + 1))?;
+        resources.ensure(&gpu, "classes", 16 * u64::from(sort::LARGEST_CLASS + 1))?;
     }
     for buffer in plan.buffers.iter().filter(|b| b.exact && b.name != "image" && b.name != "sums") {
         resources.ensure(&gpu, buffer.name, buffer.bytes)?;

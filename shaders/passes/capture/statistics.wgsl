@@ -7,8 +7,7 @@ const STAT_DROPPED: u32 = 3u;
 const STAT_LOST: u32 = 4u;
 const STAT_DEEPEST: u32 = 5u;
 const STAT_COVERED: u32 = 6u;
-// Of the whole band with its apron, for the sorts.
-const STAT_CLASS_DEEPEST: u32 = 7u;
-const STAT_CLASSES: u32 = 8u;
+// Of the whole band with its apron.
+const STAT_BAND_DEEPEST: u32 = 7u;
 
 @group(1) @binding(17) var<storage, read_write> statistics: array<atomic<u32>>;

@@ -1,3 +1,4 @@
+//@ use passes/sort/listed_pixel
 // Lists longer than the largest network: heap sort in storage, one invocation a pixel. Bounded loops, no recursion.
 
 fn sift_down(base: u32, start: u32, end: u32) {
@@ -26,16 +27,13 @@ fn sift_down(base: u32, start: u32, end: u32) {
     store_long(base, root, moved);
 }
 
-@compute @workgroup_size(16, 16)
-fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= frame.size.x || id.y >= frame.end_row - frame.first_row {
+@compute @workgroup_size(256)
+fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let pixel = listed_pixel(group, local);
+    if pixel == EMPTY {
         return;
     }
-    let pixel = id.y * frame.size.x + id.x;
     let count = layer_count(pixel);
-    if count <= LARGEST_NETWORK {
-        return;
-    }
     let base = layer_base(pixel);
     begin_long(base, count);
     for (var start = count / 2u; start > 0u; start--) {

@@ -19,17 +19,8 @@ pub fn part_lookup_spec(plan: &FramePlan) -> ShaderSpec {
     modules.keys(modules.layout(ShaderSpec::new("passes/buckets/part_lookup").with(part_of)))
 }
 
-/// The shaders of [`z_reordering`], one for each class of lengths that the capture can have.
-pub fn z_reordering_specs(plan: &FramePlan) -> Vec<ShaderSpec> {
-    let elements = StoreModules::of(plan).layout(ShaderSpec::new("passes/sort/elements_by_part"));
-    match plan.capture {
-        Capture::BucketedKBuffer { k, .. } => {
-            let largest = k.next_power_of_two().trailing_zeros();
-            (0..=largest).map(|class| sort::with_network(elements.clone(), class)).collect()
-        }
-        Capture::Compacted | Capture::None => sort::all_classes(&elements),
-    }
-}
+/// What [`z_reordering`] sorts.
+pub const SORTED: &str = "passes/sort/elements_by_part";
 
 /// The shader of [`bucket_creation`].
 pub fn bucket_creation_spec(plan: &FramePlan) -> ShaderSpec {
@@ -49,23 +40,15 @@ pub fn part_lookup(context: &mut Context<'_>) -> Result<(), GpuError> {
 /// # Errors
 /// [`GpuError`] of the device.
 pub fn z_reordering(context: &mut Context<'_>) -> Result<(), GpuError> {
-    let specs = z_reordering_specs(context.plan);
-    match context.plan.capture {
-        Capture::BucketedKBuffer { .. } => {
-            for spec in &specs {
-                context.per_pixel(Pass::ZReordering, spec, "main")?;
-            }
+    let longest = match context.plan.capture {
+        Capture::BucketedKBuffer { k, .. } => {
+            sort::classify(context, Pass::ZReordering)?;
+            k
         }
-        Capture::Compacted | Capture::None => {
-            let arguments = context.resources.require("z reordering", "sort_arguments")?.clone();
-            for (class, spec) in (0_u64..).zip(&specs) {
-                let kernel = context.shaders.kernel(spec, "main")?;
-                let at = (&arguments, class * 12);
-                context.recorder.compute_indirect(Pass::ZReordering, &kernel, &context.frame, context.resources, at)?;
-            }
-        }
-    }
-    Ok(())
+        // The sort by depth has listed the pixels already.
+        Capture::Compacted | Capture::None => context.deepest,
+    };
+    sort::sort(context, Pass::ZReordering, SORTED, longest)
 }
 
 /// Builds the bucket table of every pixel.

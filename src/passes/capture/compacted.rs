@@ -34,10 +34,8 @@ pub fn append_spec(plan: &FramePlan, vertex: ShaderSpec) -> ShaderSpec {
     StoreModules::of(plan).normals(vertex.with("passes/capture/compacted/append"))
 }
 
-/// The shaders of [`sort_by_depth`], one for each class of lengths.
-pub fn sort_specs(plan: &FramePlan) -> Vec<ShaderSpec> {
-    sort::all_classes(&StoreModules::of(plan).layout(ShaderSpec::new("passes/sort/elements_by_depth")))
-}
+/// What [`sort_by_depth`] sorts.
+pub const SORTED: &str = "passes/sort/elements_by_depth";
 
 /// The shader of [`gather`].
 pub fn gather_spec() -> ShaderSpec {
@@ -87,13 +85,8 @@ pub fn append(context: &mut Context<'_>, scene: &GpuScene) -> Result<(), GpuErro
 /// # Errors
 /// [`GpuError`] of the device.
 pub fn sort_by_depth(context: &mut Context<'_>) -> Result<(), GpuError> {
-    let arguments = context.resources.require("sort", "sort_arguments")?.clone();
-    for (class, spec) in (0_u64..).zip(sort_specs(context.plan)) {
-        let kernel = context.shaders.kernel(&spec, "main")?;
-        let at = (&arguments, class * 12);
-        context.recorder.compute_indirect(Pass::Sort, &kernel, &context.frame, context.resources, at)?;
-    }
-    Ok(())
+    sort::classify(context, Pass::Sort)?;
+    sort::sort(context, Pass::Sort, SORTED, context.deepest)
 }
 
 /// Brings the surfaces into the sorted order.

@@ -28,6 +28,8 @@ pub struct LayerCounts {
 
 /// Words of the statistics buffer; the indices are those of `passes/capture/statistics.wgsl`.
 pub const STATISTICS_WORDS: usize = 16;
+/// The word that holds the most fragments of a pixel in the whole band, its apron included.
+pub const BAND_DEEPEST: usize = 7;
 
 impl LayerCounts {
     /// Adds what a band counted. `words` are the statistics buffer's.

@@ -7,10 +7,11 @@
 
 use std::fmt::Write;
 
-use crate::gpu::ShaderSpec;
+use crate::gpu::{GpuError, ShaderSpec};
+use crate::passes::Context;
+use crate::passes::store::StoreModules;
+use crate::plan::Pass;
 
-/// Length of the longest list that a network sorts.
-pub const LARGEST_NETWORK: u32 = 64;
 /// Class of the longer lists; class c below it holds lists of 2^(c−1)+1 to 2^c elements.
 pub const LARGEST_CLASS: u32 = 7;
 
@@ -35,48 +36,98 @@ pub fn network(n: u32) -> Vec<(u32, u32)> {
     comparators
 }
 
-/// Adds to a shader that declares `Element`, `is_less`, `load_element` and `store_element` an entry point `main` that sorts
-/// the lists of one class.
-pub fn with_network(mut spec: ShaderSpec, class: u32) -> ShaderSpec {
+/// Workgroups in a row of a sort's dispatch; more are put into further rows.
+const SORT_ROW: u32 = 32_768;
+
+/// The entry points of [`classify_spec`].
+pub const CLASSIFY_ENTRIES: [&str; 3] = ["count_classes", "place_classes", "list_pixels"];
+
+/// The shader of [`classify`].
+pub fn classify_spec(modules: &StoreModules) -> ShaderSpec {
+    modules
+        .layout(ShaderSpec::new("passes/sort/classify"))
+        .constant("LARGEST_CLASS", format!("{LARGEST_CLASS}u"))
+        .constant("SORT_ROW", format!("{SORT_ROW}u"))
+}
+
+/// Lists the pixels of each class of list length, and how many there are, for [`sort`].
+///
+/// # Errors
+/// [`GpuError`] of the device.
+pub fn classify(context: &mut Context<'_>, pass: Pass) -> Result<(), GpuError> {
+    let spec = classify_spec(&StoreModules::of(context.plan));
+    let classes = context.resources.require(pass.name(), "classes")?;
+    context.recorder.encoder.clear_buffer(classes, 0, None);
+    let [count_classes, place_classes, list_pixels] = CLASSIFY_ENTRIES;
+    context.per_pixel(pass, &spec, count_classes)?;
+    context.compute(pass, &spec, place_classes, [1, 1, 1])?;
+    context.per_pixel(pass, &spec, list_pixels)
+}
+
+/// Sorts the lists of all pixels, class by class. `elements` is the shader module that says what is sorted: it declares
+/// `Element`, `is_less`, and how elements are loaded and stored. `longest` bounds the length of any list.
+///
+/// # Errors
+/// [`GpuError`] of the device.
+pub fn sort(context: &mut Context<'_>, pass: Pass, elements: &'static str, longest: u32) -> Result<(), GpuError> {
+    let arguments = context.resources.require(pass.name(), "sort_arguments")?.clone();
+    for (class, spec) in (0_u64..).zip(sort_specs(&StoreModules::of(context.plan), elements, longest)) {
+        let kernel = context.shaders.kernel(&spec, "main")?;
+        let at = (&arguments, class * 12);
+        context.recorder.compute_indirect(pass, &kernel, &context.frame, context.resources, at)?;
+    }
+    Ok(())
+}
+
+/// The shaders of [`sort`], one for each class of lists that are not longer than `longest`.
+pub fn sort_specs(modules: &StoreModules, elements: &'static str, longest: u32) -> Vec<ShaderSpec> {
+    (0..=class_of(longest)).map(|class| sort_spec(modules, elements, class)).collect()
+}
+
+/// The class of a list length.
+fn class_of(length: u32) -> u32 {
+    length.max(1).next_power_of_two().trailing_zeros().min(LARGEST_CLASS)
+}
+
+/// The shader that sorts the lists of one class.
+fn sort_spec(modules: &StoreModules, elements: &'static str, class: u32) -> ShaderSpec {
+    let mut spec = modules
+        .layout(ShaderSpec::new(elements).with("passes/sort/listed_pixel"))
+        .constant("SORT_CLASS", format!("{class}u"))
+        .constant("SORT_ROW", format!("{SORT_ROW}u"));
+    if class == LARGEST_CLASS {
+        return spec.with("passes/sort/long_lists");
+    }
     let n = 1 << class;
-    let shortest = if class == 0 { 1 } else { n / 2 + 1 };
     let mut body = String::new();
     for i in 0..n {
-        let _ = writeln!(body, "    var e{i} = padding_element();");
-        let _ = writeln!(body, "    if {i}u < count {{ e{i} = load_element(base, {i}u); }}");
+        // A clamped load and a select, because a branch costs more than a load.
+        let _ = writeln!(
+            body,
+            "    var e{i} = select(padding_element(), load_element(base, min({i}u, count - 1u)), {i}u < count);"
+        );
     }
     for (a, b) in network(n) {
         let _ = writeln!(
             body,
-            "    {{ let swap = is_less(e{b}, e{a}); let low = select(e{a}, e{b}, swap); e{b} = select(e{b}, e{a}, swap); e{a} = low; }}"
+            "    {{ let swap = is_less(e{b}, e{a}); let low = select(e{a}, e{b}, swap); \
+             e{b} = select(e{b}, e{a}, swap); e{a} = low; }}"
         );
     }
     for i in 0..n {
         let _ = writeln!(body, "    if {i}u < count {{ store_element(base, {i}u, e{i}); }}");
     }
     spec.generated = format!(
-        "@compute @workgroup_size(16, 16)
-fn main(@builtin(global_invocation_id) id: vec3<u32>) {{
-    if id.x >= frame.size.x || id.y >= frame.end_row - frame.first_row {{ return; }}
-    let pixel = id.y * frame.size.x + id.x;
+        "@compute @workgroup_size(256)
+fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {{
+    let pixel = listed_pixel(group, local);
+    if pixel == EMPTY {{ return; }}
     let count = layer_count(pixel);
-    if count < {shortest}u || count > {n}u {{ return; }}
     let base = layer_base(pixel);
 {body}}}
 "
     );
     spec
-}
-
-/// A shader for every class, in order, over one that declares elements and has `layer_count`.
-pub fn all_classes(elements: &ShaderSpec) -> Vec<ShaderSpec> {
-    let networks = (0..LARGEST_CLASS).map(|class| with_network(elements.clone(), class));
-    networks.chain([with_long_lists(elements.clone())]).collect()
-}
-
-/// Adds the entry point `main` that sorts the lists longer than any network.
-pub fn with_long_lists(spec: ShaderSpec) -> ShaderSpec {
-    spec.with("passes/sort/long_lists").constant("LARGEST_NETWORK", format!("{LARGEST_NETWORK}u"))
 }
 
 #[cfg(test)]

@@ -1,0 +1,121 @@
+//! The shared models: every GLB and glTF there loads, or is refused as expected.
+
+use std::path::{Path, PathBuf};
+
+use crate::import::load;
+use crate::scene::NoticeKind;
+
+/// What is refused, and what the error must name.
+const REFUSED: &[(&str, &str)] = &[
+    ("conformance/2CylinderEngine_draco/2CylinderEngine.gltf", "KHR_draco_mesh_compression"),
+    ("conformance/Ingenuity.glb", "EXT_meshopt_compression"),
+    ("malformed/glb__chunk_too_big.glb", "GLB header"),
+    ("malformed/glb__invalid_magic.glb", "neither a GLB"),
+    ("malformed/glb__truncated_chunk_data.glb", "GLB header"),
+    ("malformed/glb__length_mismatch.glb", "GLB header"),
+    ("malformed/glb__empty_file.glb", "is empty"),
+    ("malformed/glb__only_header.glb", "no JSON chunk"),
+    ("malformed/json__invalid_syntax.gltf", "JSON"),
+    ("malformed/mesh_data__index_buffer_oob.gltf", "buffers[0].uri"),
+    ("malformed/node__node_loop.gltf", "nodes[0]"),
+    ("malformed/buffer__wrong_bytelength.glb", "buffers[0].byteLength"),
+    ("malformed/buffer__not_found.gltf", "buffers[0].uri"),
+    ("malformed/image__invalid_image_data.gltf", "images[0].uri"),
+    ("malformed/accessor__unresolved_bufferviews.gltf", "accessors[0].bufferView"),
+    ("malformed/IndexOutOfRange.gltf", "meshes[0].primitives[0].indices"),
+];
+
+/// What loads with a notice: its kind and a part of it.
+const TOLD: &[(&str, NoticeKind, &str)] = &[
+    ("malformed/KHR_materials_volume__material__out_of_range.gltf", NoticeKind::Repaired, "thicknessFactor"),
+    ("malformed/asset__2_1_version.gltf", NoticeKind::Approximated, "2.1"),
+    ("malformed/mesh__primitive_no_position.gltf", NoticeKind::Ignored, "no positions"),
+    ("malformed/BoxWithInfinites.glb", NoticeKind::Repaired, "not finite"),
+    ("conformance/primitive_modes/Mesh_PrimitiveMode_00.gltf", NoticeKind::Ignored, "points or lines"),
+    ("conformance/RiggedSimple.glb", NoticeKind::Ignored, "skins"),
+    ("conformance/AnimatedMorphCube.glb", NoticeKind::Ignored, "morph targets"),
+    ("conformance/TriangleWithoutIndices.gltf", NoticeKind::Computed, "without normals"),
+    ("materials/CompareTransmission.glb", NoticeKind::Approximated, "KHR_materials_transmission"),
+];
+
+/// Instanced triangles, as the manifest gives them.
+const TRIANGLES: &[(&str, u64)] = &[
+    ("assemblies/2CylinderEngine.glb", 121_496),
+    ("assemblies/CycloidalDrive.glb", 376_520),
+    ("assemblies/FrankaPanda.glb", 134_912),
+    ("assemblies/SO100Arm.glb", 60_682),
+    ("assemblies/RodBearing.glb", 57_036),
+    ("assemblies/CesiumMilkTruck.glb", 3624),
+    ("conformance/CycloidalDrive_quantized.glb", 376_520),
+    ("conformance/SimpleSparseAccessor.gltf", 12),
+    ("conformance/primitive_modes/Mesh_PrimitiveMode_04.gltf", 2),
+    ("conformance/primitive_modes/Mesh_PrimitiveMode_05.gltf", 2),
+    ("conformance/primitive_modes/Mesh_PrimitiveMode_06.gltf", 2),
+    ("materials/CompareAnisotropy.glb", 36_864),
+    ("flow/StreamSurfaceA.glb", 29_782),
+];
+
+fn models() -> Option<PathBuf> {
+    let folder = std::env::var_os("PELLUCID_MODELS")
+        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/models"), PathBuf::from);
+    if folder.is_dir() {
+        return Some(folder);
+    }
+    println!("SKIPPED: no models in {} (PELLUCID_MODELS names another folder)", folder.display());
+    None
+}
+
+fn walk(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+        let path = entry.path();
+        if path.is_dir() {
+            walk(&path, found);
+        } else if path.extension().is_some_and(|e| e == "glb" || e == "gltf") {
+            found.push(path);
+        }
+    }
+}
+
+#[test]
+fn every_shared_model_loads_or_is_refused_as_expected() {
+    let Some(folder) = models() else { return };
+    let mut files = Vec::new();
+    walk(&folder, &mut files);
+    files.sort();
+    let (mut loaded, mut refused, mut wrong) = (0, 0, Vec::new());
+    for path in &files {
+        let name = path.strip_prefix(&folder).unwrap_or(path).to_string_lossy().replace('\\', "/");
+        let expected = REFUSED.iter().find(|(file, _)| *file == name).map(|(_, part)| *part);
+        match (load(path), expected) {
+            (Err(e), Some(part)) if e.to_string().contains(part) => refused += 1,
+            (Err(e), _) => wrong.push(format!("{name}: {e}")),
+            (Ok(_), Some(part)) => wrong.push(format!("{name} loads, and should name {part}")),
+            (Ok(scene), None) => {
+                loaded += 1;
+                let told = |kind, part: &str| scene.notices.iter().any(|n| n.kind == kind && n.message.contains(part));
+                for (_, kind, part) in TOLD.iter().filter(|t| t.0 == name && !told(t.1, t.2)) {
+                    wrong.push(format!("{name}: no {kind:?} notice about {part:?} among {:?}", scene.notices));
+                }
+                // Triangles without area are dropped, so a file may lose a few.
+                let dropped: u64 = scene
+                    .notices
+                    .iter()
+                    .filter_map(|n| n.message.split_once(" triangles without area")?.0.parse::<u64>().ok())
+                    .sum();
+                let count = scene.triangle_count();
+                for (_, n) in TRIANGLES.iter().filter(|t| t.0 == name) {
+                    if count > *n || (count < *n && dropped == 0) {
+                        wrong.push(format!("{name}: {count} triangles instead of {n}"));
+                    }
+                }
+                if scene.bounds().is_empty() != scene.parts.is_empty() || !scene.bounds().size().is_finite() {
+                    wrong.push(format!("{name}: bounds {:?}", scene.bounds()));
+                }
+                println!("{name}: {} parts, {count} triangles, {:?}", scene.parts.len(), scene.notices);
+            }
+        }
+    }
+    println!("{loaded} loaded, {refused} refused as expected");
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    assert!(loaded + refused > 0, "no model in {}", folder.display());
+}
