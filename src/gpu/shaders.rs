@@ -68,6 +68,11 @@ impl Composed {
         }
     }
 
+    /// The files that it is made of, below `shaders/`, in order; names in angle brackets stand for generated text.
+    pub fn files(&self) -> &[String] {
+        &self.files
+    }
+
     fn append(&mut self, file: &str, text: &str) {
         let index = self.files.len();
         self.files.push(file.to_owned());

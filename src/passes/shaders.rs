@@ -36,6 +36,8 @@ pub struct PassShader {
     pub entries: &'static [&'static str],
     /// Whether the plan keeps a tail, which may bind one storage buffer more.
     pub tail: bool,
+    /// Whether the plan asks the adapter for 64-bit atomics.
+    pub atomics_64: bool,
 }
 
 /// A shader and the entry points that are used.
@@ -164,9 +166,10 @@ pub fn all_shaders() -> Vec<PassShader> {
     let mut seen = HashSet::new();
     for plan in all_plans() {
         let tail = matches!(plan.capture, Capture::BucketedKBuffer { tail: true, .. });
+        let atomics_64 = matches!(plan.capture, Capture::BucketedKBuffer { key: KeyFormat::Wide64, .. });
         for planned in &plan.passes {
             for (spec, entries) in shaders_of(&plan, planned.pass) {
-                let shader = PassShader { pass: planned.pass, spec, entries, tail };
+                let shader = PassShader { pass: planned.pass, spec, entries, tail, atomics_64 };
                 if seen.insert(shader.clone()) {
                     all.push(shader);
                 }

@@ -140,6 +140,13 @@ pub struct Capabilities {
     pub atomic_min_64: bool,
 }
 
+impl Capabilities {
+    /// Bytes that one buffer of a frame may have. Shaders number words of 4 bytes with 32 bits, whatever the adapter allows.
+    pub fn largest_buffer(&self) -> u64 {
+        self.max_binding.min(self.max_buffer).min(1 << 33)
+    }
+}
+
 impl Default for Capabilities {
     /// What WebGPU guarantees.
     fn default() -> Capabilities {
@@ -290,8 +297,11 @@ impl FramePlan {
     }
 }
 
-/// Storage buffers that the largest pass binds.
-const STORAGE_BUFFERS: u32 = 8;
+/// Storage buffers that the largest pass binds, without and with a tail.
+pub fn storage_buffers(tail: bool) -> u32 {
+    // Data storage binds one more for the tail.
+    if tail { 9 } else { 8 }
+}
 
 /// Plans a frame.
 ///
@@ -327,12 +337,13 @@ pub fn plan_with(
     if width > capabilities.max_texture || height > capabilities.max_texture {
         return Err(Refusal::ImageTooLarge { width, height, limit: capabilities.max_texture });
     }
-    // Data storage binds one more for the tail.
     let tail = settings.capture.kind == CaptureKind::BucketedKBuffer
         && settings.capture.bucketed_k_buffer.tail == Tail::Average;
-    let needed = STORAGE_BUFFERS + u32::from(tail);
+    let needed = storage_buffers(tail);
     if capabilities.max_storage_buffers < needed {
-        return Err(Refusal::TooFewBindings { needed, limit: capabilities.max_storage_buffers });
+        let limit = capabilities.max_storage_buffers;
+        let without_tail = Some(storage_buffers(false)).filter(|&n| tail && n <= limit);
+        return Err(Refusal::TooFewBindings { needed, limit, without_tail });
     }
     let mut draft = Draft { passes: Vec::new(), skipped: Vec::new() };
     let all_opaque = opacity == (Opacity::Constant { alpha: 1.0 }) && scene.blended_materials == 0;

@@ -56,13 +56,52 @@ pub enum Refusal {
         /// The largest k that fits.
         fits: Option<u32>,
     },
+    /// Not even the pixel table of one row of pixels, with the rows that it needs around it, fits a binding.
+    #[error(
+        "a width of {width} needs {bytes} bytes for the pixel table of the {rows} rows of the smallest band; a binding \
+         holds {limit}. A width of {fits} fits"
+    )]
+    TableTooLarge {
+        /// Width of the image.
+        width: u32,
+        /// Rows of the smallest band.
+        rows: u64,
+        /// Bytes needed.
+        bytes: u64,
+        /// Bytes that a binding holds.
+        limit: u64,
+        /// The largest width that fits.
+        fits: u32,
+    },
+    /// The image cannot be read back in one piece.
+    #[error(
+        "an image of {width}x{height} pixels needs a buffer of {bytes} bytes to be read back; this adapter's largest \
+         has {limit}. {width}x{fits} fits"
+    )]
+    ReadBackTooLarge {
+        /// Width asked for.
+        width: u32,
+        /// Height asked for.
+        height: u32,
+        /// Bytes needed.
+        bytes: u64,
+        /// Bytes of the largest buffer.
+        limit: u64,
+        /// The largest height that fits.
+        fits: u64,
+    },
     /// The adapter binds fewer storage buffers than a pass declares.
-    #[error("a pass binds {needed} storage buffers; this adapter allows {limit} in one stage")]
+    #[error(
+        "a pass binds {needed} storage buffers; this adapter allows {limit} in one stage{}",
+        without_tail.map(|n| format!(". capture.bucketed_k_buffer.tail = none needs {n}")).unwrap_or_default()
+    )]
     TooFewBindings {
         /// Storage buffers needed.
         needed: u32,
         /// Storage buffers allowed.
         limit: u32,
+        /// How many are needed without a tail, if that fits.
+        without_tail: Option<u32>,
     },
     /// The transfer functions could not be read.
     #[error("{0}")]

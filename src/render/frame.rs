@@ -8,7 +8,9 @@ use glam::DVec2;
 use super::{Frame, FrameReport, RenderError, Renderer};
 use crate::gpu::{Gpu, GpuError, PassTime, Recorder, Resource};
 use crate::math::{Camera, LinearImage, Projection, ViewFrustum};
-use crate::passes::capture::{BAND_DEEPEST, LayerCounts, STATISTICS_WORDS, bucketed_k_buffer, buckets, compacted, sort};
+use crate::passes::capture::{
+    BAND_DEEPEST, LayerCounts, STATISTICS_WORDS, bucketed_k_buffer, buckets, compacted, sort,
+};
 use crate::passes::features::{curvature, neighbours};
 use crate::passes::geometry::{GpuScene, Instances};
 use crate::passes::{BlendParameters, Context, FrameUniform, StoreLayout, composite, opacity, opaque, shade};
@@ -247,13 +249,9 @@ fn draw_compacted(
         rows.extend(words("row_sums", u64::from(end - first))?.into_iter().map(u64::from));
         deepest = deepest.max(words("statistics", STATISTICS_WORDS as u64)?[BAND_DEEPEST]);
     }
-    let capabilities = renderer.gpu.capabilities();
-    let limit = capabilities.max_binding.min(capabilities.max_buffer) / 8;
-    let bands = plan::bands_of_rows(&rows, plan.apron, limit, plan.most_rows).map_err(|(row, fragments)| RenderError::RowTooDeep {
-        row,
-        fragments,
-        limit,
-    })?;
+    let limit = renderer.gpu.capabilities().largest_buffer() / 8;
+    let bands = plan::bands_of_rows(&rows, plan.apron, limit, plan.most_rows)
+        .map_err(|(row, fragments)| RenderError::RowTooDeep { row, fragments, limit })?;
     let single = bands.len() == 1;
     for band in bands {
         let fragments = rows[band.first_row as usize..band.end_row as usize].iter().sum();
