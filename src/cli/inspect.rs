@@ -2,13 +2,14 @@
 
 use std::fmt::Write;
 
+use glam::DVec3;
 use serde::Serialize;
 
 use super::failure::printable;
 use super::load::kind_name;
 use super::output::grouped;
-use crate::math::Bounds;
-use crate::scene::{AlphaMode, Scene, SceneStats};
+use crate::math::{Bounds, Projection};
+use crate::scene::{AlphaMode, Scene, SceneCamera, SceneStats};
 
 /// What is in a scene. Positions are in the file's own coordinates.
 #[derive(Serialize)]
@@ -16,12 +17,13 @@ pub struct Report {
     name: String,
     triangles: u64,
     vertices: u64,
+    meshes: usize,
     bounds: Option<BoxFacts>,
     parts: Vec<PartFacts>,
     nodes: Vec<NodeFacts>,
     materials: Vec<MaterialFacts>,
     images: Vec<ImageFacts>,
-    cameras: Vec<String>,
+    cameras: Vec<CameraFacts>,
     notices: Vec<NoticeFacts>,
 }
 
@@ -70,9 +72,23 @@ struct ImageFacts {
 }
 
 #[derive(Serialize)]
+struct CameraFacts {
+    name: String,
+    projection: &'static str,
+    /// Where it stands, in the file's coordinates.
+    position: [f64; 3],
+}
+
+#[derive(Serialize)]
 struct NoticeFacts {
     kind: &'static str,
     message: String,
+}
+
+impl BoxFacts {
+    fn size(&self) -> [f64; 3] {
+        std::array::from_fn(|i| self.max[i] - self.min[i])
+    }
 }
 
 impl Report {
@@ -123,17 +139,26 @@ impl Report {
             width: i.width,
             height: i.height,
         };
+        let camera = |c: &SceneCamera| CameraFacts {
+            name: c.name.clone(),
+            projection: match c.projection {
+                Projection::Perspective { .. } => "perspective",
+                Projection::Orthographic { .. } => "orthographic",
+            },
+            position: (c.world_from_camera.transform_point3(DVec3::ZERO) + scene.origin).to_array(),
+        };
         let notice = |n: &crate::scene::Notice| NoticeFacts { kind: kind_name(n.kind), message: n.message.clone() };
         Report {
             name: scene.name.clone(),
             triangles: stats.triangles,
             vertices: stats.vertices,
+            meshes: scene.meshes.len(),
             bounds: box_of(&stats.bounds),
             parts: parts.collect(),
             nodes: nodes.collect(),
             materials: materials.collect(),
             images: scene.images.iter().map(image).collect(),
-            cameras: scene.cameras.iter().map(|c| c.name.clone()).collect(),
+            cameras: scene.cameras.iter().map(camera).collect(),
             notices: scene.notices.iter().map(notice).collect(),
         }
     }
@@ -149,32 +174,47 @@ impl Report {
     fn write(&self, out: &mut String) -> std::fmt::Result {
         writeln!(
             out,
-            "{}: {} parts, {} triangles, {} vertices, {} materials, {} images",
+            "{}: {} of {}, {}, {}, {}, {}",
             printable(&self.name),
-            grouped(self.parts.len() as u64),
-            grouped(self.triangles),
-            grouped(self.vertices),
-            self.materials.len(),
-            self.images.len()
+            counted(self.parts.len() as u64, "part"),
+            counted(self.meshes as u64, "mesh"),
+            counted(self.triangles, "triangle"),
+            counted(self.vertices, "vertex"),
+            counted(self.materials.len() as u64, "material"),
+            counted(self.images.len() as u64, "image"),
         )?;
         match &self.bounds {
-            Some(b) => writeln!(out, "bounds: {:?} to {:?}", b.min, b.max)?,
-            None => writeln!(out, "bounds: empty")?,
+            Some(b) => {
+                writeln!(out, "size    {}", numbers(b.size(), " × "))?;
+                writeln!(out, "bounds  {} to {}", numbers(b.min, ", "), numbers(b.max, ", "))?;
+            }
+            None => writeln!(out, "bounds  empty: there is nothing to see")?,
         }
         writeln!(out, "\nhierarchy")?;
         self.write_hierarchy(out)?;
         writeln!(out, "\nmaterials")?;
         for (i, m) in self.materials.iter().enumerate() {
-            write!(out, "  {i} '{}' {}, base {:?}", printable(&m.name), m.alpha, m.base_color)?;
-            write!(out, ", metallic {}, roughness {}, {} textures", m.metallic, m.roughness, m.textures)?;
+            let users = self.parts.iter().filter(|p| p.materials.contains(&i)).count() as u64;
+            write!(out, "  {i} '{}' of {}: {}", printable(&m.name), counted(users, "part"), m.alpha)?;
+            write!(out, ", base {}", numbers(m.base_color.map(f64::from), " "))?;
+            write!(out, ", metallic {}, roughness {}", m.metallic, m.roughness)?;
+            if m.textures > 0 {
+                write!(out, ", {}", counted(m.textures as u64, "texture"))?;
+            }
             let extra = [(m.emissive, ", emissive"), (m.unlit, ", unlit")];
             let extra: String = extra.iter().filter(|(is, _)| *is).map(|(_, word)| *word).collect();
             writeln!(out, "{extra}")?;
         }
+        if !self.images.is_empty() {
+            writeln!(out, "\nimages")?;
+            for (i, image) in self.images.iter().enumerate() {
+                writeln!(out, "  {i} '{}' {}×{}", printable(&image.name), image.width, image.height)?;
+            }
+        }
         if !self.cameras.is_empty() {
-            writeln!(out, "\ncameras")?;
-            for (i, name) in self.cameras.iter().enumerate() {
-                writeln!(out, "  {i} '{}'", printable(name))?;
+            writeln!(out, "\ncameras (for --camera, by name or number)")?;
+            for (i, c) in self.cameras.iter().enumerate() {
+                writeln!(out, "  {i} '{}' {} at {}", printable(&c.name), c.projection, numbers(c.position, ", "))?;
             }
         }
         if !self.notices.is_empty() {
@@ -204,13 +244,49 @@ impl Report {
             };
             write!(out, "{}{}", "  ".repeat(depth.min(32)), printable(name))?;
             if let Some((p, part)) = part {
-                write!(out, ": part {p}, {} triangles, material {:?}", grouped(part.triangles.into()), part.materials)?;
+                write!(out, ": part {p}, {}", counted(part.triangles.into(), "triangle"))?;
+                if let Some(b) = &part.bounds {
+                    write!(out, ", {}", numbers(b.size(), " × "))?;
+                }
+                write!(out, ", material {}", numbers_of(&part.materials))?;
             }
             writeln!(out)?;
             stack.extend(node.children.iter().rev().map(|&child| (child, depth + 1)));
         }
         Ok(())
     }
+}
+
+/// "1 part", "2 meshes".
+fn counted(count: u64, what: &str) -> String {
+    let plural = match what {
+        "mesh" => "meshes".to_owned(),
+        "vertex" => "vertices".to_owned(),
+        _ => format!("{what}s"),
+    };
+    format!("{} {}", grouped(count), if count == 1 { what } else { &plural })
+}
+
+fn numbers_of(values: &[usize]) -> String {
+    values.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")
+}
+
+/// Numbers to five significant digits, or as whole numbers where those are more.
+fn numbers<const N: usize>(values: [f64; N], between: &str) -> String {
+    values.map(five_digits).join(between)
+}
+
+fn five_digits(value: f64) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return value.to_string();
+    }
+    let magnitude = value.abs().log10().floor() as i32;
+    if !(-5..=9).contains(&magnitude) {
+        return format!("{value:.4e}");
+    }
+    let text = format!("{value:.*}", usize::try_from(4 - magnitude).unwrap_or(0));
+    let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+    text.to_owned()
 }
 
 #[cfg(test)]
@@ -245,8 +321,14 @@ mod tests {
     #[test]
     fn text_shows_the_tree_and_no_control_characters() {
         let text = Report::of(&scene(0.0)).text();
-        assert!(text.starts_with("model: 1 parts, 1 triangles, 3 vertices, 1 materials, 0 images\n"), "{text}");
-        assert!(text.contains("  car\n    wheel\u{fffd}\u{fffd}[31m: part 0, 1 triangles, material [0]\n"), "{text}");
+        assert!(
+            text.starts_with(
+                "model: 1 part of 1 mesh, 1 triangle, 3 vertices, 1 material, 0 images\nsize    1 × 1 × 0\n"
+            ),
+            "{text}"
+        );
+        let tree = "  car\n    wheel\u{fffd}\u{fffd}[31m: part 0, 1 triangle, 1 × 1 × 0, material 0\n";
+        assert!(text.contains(tree), "{text}");
     }
 
     #[test]
@@ -269,6 +351,23 @@ mod tests {
         });
         let text = Report::of(&Scene { nodes: nodes.collect(), ..Scene::default() }).text();
         assert_eq!(text.lines().filter(|l| l.ends_with(" n")).count(), 100_000);
-        assert!(text.contains("bounds: empty"));
+        assert!(text.contains("bounds  empty"));
+    }
+
+    #[test]
+    fn numbers_are_short_and_right() {
+        for (value, text) in [
+            (0.0, "0"),
+            (1.0, "1"),
+            (-2.430_910_11, "-2.4309"),
+            (0.012_345_67, "0.012346"),
+            (123_456.78, "123457"),
+            (1e6 + 1.0, "1000001"),
+            (99_999.96, "100000"),
+            (1e-9, "1.0000e-9"),
+            (f64::INFINITY, "inf"),
+        ] {
+            assert_eq!(five_digits(value), text);
+        }
     }
 }

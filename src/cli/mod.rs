@@ -70,8 +70,9 @@ pub fn main() -> ExitCode {
 }
 
 fn log_to_stderr() {
-    let filter = tracing_subscriber::EnvFilter::try_from_default_env()
-        .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("warn,wgpu_core=error,wgpu_hal=error,naga=error"));
+    let filter = tracing_subscriber::EnvFilter::try_from_default_env().unwrap_or_else(|_| {
+        tracing_subscriber::EnvFilter::new("warn,wgpu_core=error,wgpu_hal=error,wgpu_hal::gles=off,naga=error")
+    });
     let colours = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty());
     // Fails only where a host program logs already.
     let _ =
@@ -124,12 +125,20 @@ fn takes(settings: Settings, side_by_side: bool) -> Result<Vec<Take>, Failure> {
     ])
 }
 
+/// A picture in what `--stats` writes.
+#[derive(Serialize)]
+struct Picture {
+    name: &'static str,
+    #[serde(flatten)]
+    report: FrameReport,
+}
+
 /// What `--stats` writes.
 #[derive(Serialize)]
 struct Stats {
     file: String,
     size: [u32; 2],
-    pictures: Vec<(&'static str, FrameReport)>,
+    pictures: Vec<Picture>,
     #[serde(skip_serializing_if = "Option::is_none")]
     difference: Option<Difference>,
 }
@@ -142,6 +151,12 @@ fn render(args: &RenderArgs) -> Result<(), Failure> {
     let ViewArgs { file, size, look, camera } = &args.view;
     for target in args.output.iter().chain(&args.stats) {
         output::check(target)?;
+    }
+    if let Some(output) = args.output.as_ref().filter(|o| o.extension().is_some_and(|e| !e.eq_ignore_ascii_case("png")))
+    {
+        let message =
+            format!("--output {}: pictures are written as PNG, so the name must end in .png", output.display());
+        return Err(Failure::new(Exit::Usage, message));
     }
     let settings = look.settings()?;
     let background = parse_background(&settings.image.background).map_err(|e| Failure::new(Exit::Usage, e))?;
@@ -161,7 +176,7 @@ fn render(args: &RenderArgs) -> Result<(), Failure> {
         let subject = if args.compare { format!("{file}: {name}") } else { file.clone() };
         progress.say(&summary(&subject, *size, &frame.report));
         images.push(frame.image);
-        pictures.push((*name, frame.report));
+        pictures.push(Picture { name, report: frame.report });
     }
     let image =
         if args.compare { LinearImage::side_by_side(&images, (size[0] / 100).max(1)) } else { images.remove(0) };

@@ -28,6 +28,7 @@ pub enum Command {
     #[command(after_help = ENVIRONMENT)]
     Plan(Box<PlanArgs>),
     /// Print what is in a model: parts, hierarchy, materials, notices
+    #[command(after_help = ENVIRONMENT)]
     Inspect {
         /// A model, or builtin:NAME
         file: String,
@@ -56,6 +57,7 @@ pub enum Command {
         folder: PathBuf,
     },
     /// Measure
+    #[command(after_help = ENVIRONMENT)]
     Bench {
         /// What is measured.
         #[command(subcommand)]
@@ -154,7 +156,7 @@ mod tests {
         Cli::command().debug_assert();
         let mut command = Cli::command();
         command.build();
-        for name in ["render", "plan", "adapters"] {
+        for name in ["render", "plan", "inspect", "adapters", "bench"] {
             let help = command.find_subcommand_mut(name).unwrap().render_long_help().to_string();
             for variable in ["WGPU_BACKEND", "WGPU_ADAPTER_NAME", "RUST_LOG", "NO_COLOR"] {
                 assert!(help.contains(variable), "{name} --help does not name {variable}");

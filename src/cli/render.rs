@@ -4,9 +4,9 @@ use serde::Serialize;
 
 use super::failure::{Exit, Failure, printable};
 use super::output::grouped;
-use crate::gpu::{AdapterFacts, Gpu, GpuOptions};
+use crate::gpu::{AdapterFacts, Gpu, GpuError, GpuOptions};
 use crate::math::Camera;
-use crate::plan::FramePlan;
+use crate::plan::{Capture, FramePlan};
 use crate::render::{Frame, FrameReport, GpuScene, RenderError, Renderer};
 use crate::scene::Scene;
 use crate::settings::Settings;
@@ -49,6 +49,7 @@ impl Session {
 fn failed(error: RenderError) -> Failure {
     let exit = match &error {
         RenderError::Refused(_) | RenderError::RowTooDeep { .. } => Exit::Limits,
+        RenderError::Gpu(GpuError::OutOfMemory { .. } | GpuError::Exhausted) => Exit::Limits,
         _ => Exit::General,
     };
     Failure::of(exit, &error)
@@ -65,6 +66,9 @@ pub fn summary(name: &str, size: [u32; 2], report: &FrameReport) -> String {
         grouped(layers.merged),
         grouped(layers.dropped)
     );
+    if let (1.., Capture::BucketedKBuffer { .. }) = (layers.dropped, report.plan.capture) {
+        text += &format!(" (the deepest pixel has {})", layers.deepest);
+    }
     if layers.lost > 0 {
         text += &format!(", {} LOST", grouped(layers.lost));
     }

@@ -47,6 +47,9 @@ pub enum GpuError {
         /// How large it is.
         bytes: u64,
     },
+    /// Memory ran out, and the device does not say for what.
+    #[error("the graphics adapter has no memory left")]
+    Exhausted,
     /// A shader does not compile.
     #[error("shader {file}:{line}: {reason}")]
     Shader {
@@ -122,8 +125,17 @@ pub struct Gpu {
     fault: Arc<Mutex<Option<GpuError>>>,
 }
 
-fn instance() -> wgpu::Instance {
-    wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env())
+/// Graphics interfaces in the order in which they are tried. OpenGL comes last: it lacks what the default capture is fastest
+/// with, and merely asking it makes some drivers write to standard error.
+const BACKENDS: [wgpu::Backends; 2] = [wgpu::Backends::PRIMARY, wgpu::Backends::SECONDARY];
+
+/// The adapters of some graphics interfaces; `WGPU_BACKEND` overrides which.
+fn enumerate(backends: wgpu::Backends) -> Vec<wgpu::Adapter> {
+    let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
+    if wgpu::Backends::from_env().is_none() {
+        descriptor.backends = backends;
+    }
+    pollster::block_on(wgpu::Instance::new(descriptor).enumerate_adapters(wgpu::Backends::all()))
 }
 
 fn facts_of(adapter: &wgpu::Adapter, options: &GpuOptions) -> AdapterFacts {
@@ -144,6 +156,7 @@ fn facts_of(adapter: &wgpu::Adapter, options: &GpuOptions) -> AdapterFacts {
         ("compute shaders", wgpu::DownlevelFlags::COMPUTE_SHADERS),
         ("storage writes in fragment shaders", wgpu::DownlevelFlags::FRAGMENT_WRITABLE_STORAGE),
         ("indirect dispatch", wgpu::DownlevelFlags::INDIRECT_EXECUTION),
+        ("packing of 16-bit floats", wgpu::DownlevelFlags::SHADER_F16_IN_F32),
     ]
     .into_iter()
     .filter(|(_, flag)| !flags.contains(*flag))
@@ -175,32 +188,38 @@ impl Gpu {
     /// [`GpuError::NoAdapter`] if none answers or none of that name; [`GpuError::NoDevice`] if it gives no device.
     pub fn new(options: &GpuOptions) -> Result<Gpu, GpuError> {
         let wanted = options.adapter_name.clone().or_else(|| std::env::var("WGPU_ADAPTER_NAME").ok());
-        let mut adapters = pollster::block_on(instance().enumerate_adapters(wgpu::Backends::all()));
-        adapters.sort_by_key(|a| match a.get_info().device_type {
-            wgpu::DeviceType::DiscreteGpu => 0,
-            wgpu::DeviceType::IntegratedGpu => 1,
-            wgpu::DeviceType::VirtualGpu => 2,
-            wgpu::DeviceType::Cpu => 3,
-            wgpu::DeviceType::Other => 4,
-        });
-        let names: Vec<String> = adapters.iter().map(|a| a.get_info().name).collect();
+        let mut names = Vec::new();
         let mut reasons = Vec::new();
-        for adapter in adapters {
-            let facts = facts_of(&adapter, options);
-            if let Some(wanted) = &wanted
-                && !facts.name.to_lowercase().contains(&wanted.to_lowercase())
-            {
-                continue;
+        for backends in BACKENDS {
+            let mut adapters = enumerate(backends);
+            adapters.sort_by_key(|a| match a.get_info().device_type {
+                wgpu::DeviceType::DiscreteGpu => 0,
+                wgpu::DeviceType::IntegratedGpu => 1,
+                wgpu::DeviceType::VirtualGpu => 2,
+                wgpu::DeviceType::Cpu => 3,
+                wgpu::DeviceType::Other => 4,
+            });
+            for adapter in adapters {
+                let facts = facts_of(&adapter, options);
+                if !names.contains(&facts.name) {
+                    names.push(facts.name.clone());
+                }
+                if let Some(wanted) = &wanted
+                    && !facts.name.to_lowercase().contains(&wanted.to_lowercase())
+                {
+                    continue;
+                }
+                if let Some(reason) = &facts.unusable {
+                    reasons.push(format!("{}: {reason}", facts.name));
+                    continue;
+                }
+                return Gpu::open(&adapter, facts);
             }
-            if let Some(reason) = &facts.unusable {
-                reasons.push(format!("{}: {reason}", facts.name));
-                continue;
-            }
-            return Gpu::open(&adapter, facts);
         }
         let reason = match (wanted, reasons.is_empty()) {
             (_, false) => reasons.join("; "),
-            (Some(wanted), true) => format!("none is called '{wanted}'; there are: {}", names.join(", ")),
+            (Some(wanted), true) if names.is_empty() => format!("none is called '{wanted}', nor anything else"),
+            (Some(wanted), true) => format!("none is called '{wanted}'; there is: {}", names.join(", ")),
             (None, true) => "there is none".to_owned(),
         };
         Err(GpuError::NoAdapter { reason })
@@ -209,10 +228,7 @@ impl Gpu {
     /// All adapters that answer.
     pub fn adapters() -> Vec<AdapterFacts> {
         let options = GpuOptions::default();
-        pollster::block_on(instance().enumerate_adapters(wgpu::Backends::all()))
-            .iter()
-            .map(|a| facts_of(a, &options))
-            .collect()
+        enumerate(wgpu::Backends::all()).iter().map(|a| facts_of(a, &options)).collect()
     }
 
     fn open(adapter: &wgpu::Adapter, facts: AdapterFacts) -> Result<Gpu, GpuError> {
@@ -234,7 +250,8 @@ impl Gpu {
         let fault: Arc<Mutex<Option<GpuError>>> = Arc::default();
         let reported = Arc::clone(&fault);
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
-            note(&reported, GpuError::Device(error.to_string()));
+            let exhausted = matches!(error, wgpu::Error::OutOfMemory { .. });
+            note(&reported, if exhausted { GpuError::Exhausted } else { GpuError::Device(error.to_string()) });
         }));
         let lost = Arc::clone(&fault);
         device.set_device_lost_callback(move |reason, message| {

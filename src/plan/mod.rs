@@ -476,7 +476,10 @@ fn plan_layers(
     opacity: Opacity,
 ) {
     let transparent = if scene.blended_materials > 0 && opacity == (Opacity::Constant { alpha: 1.0 }) {
-        format!("{} materials blend", scene.blended_materials)
+        match scene.blended_materials {
+            1 => "1 material blends".to_owned(),
+            n => format!("{n} materials blend"),
+        }
     } else {
         "layers are transparent".to_owned()
     };
