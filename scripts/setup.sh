@@ -10,6 +10,9 @@ case ${CARGO_TARGET_DIR-} in
 esac
 cd -- "$root"
 
+# Where there is no session, Mesa's layer that picks a device for the desktop writes errors to standard error.
+[ -n "${XDG_RUNTIME_DIR-}" ] || export NODEVICE_SELECT=1
+
 no_install=
 
 say() { printf '== %s\n' "$*"; }

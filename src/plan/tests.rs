@@ -407,7 +407,6 @@ proptest! {
             Ok(plan) => plan,
             // A refusal says what was asked; what would fit is tested one by one above.
             Err(refusal) => {
-                eprintln!("REF");
                 prop_assert!(!refusal.to_string().is_empty());
                 return Ok(());
             }

@@ -67,7 +67,9 @@ impl Targets {
         if !plan.runs(Pass::Accumulate) {
             targets.sums = None;
         } else if targets.sums.is_none() {
-            targets.sums = Some([image("sum"), image("other sum")]);
+            let usage = image_usage | Usage::RENDER_ATTACHMENT;
+            targets.sums =
+                Some(["sum", "other sum"].map(|label| texture(gpu, label, plan.size, Format::Rgba32Float, usage)));
         }
         if !plan.runs(Pass::Opaque) {
             targets.opaque = None;
@@ -388,6 +390,22 @@ impl<'a> Work<'a> {
     }
 }
 
+/// Empties a texture by a render pass: clearing it as such is a feature that adapters need not have.
+fn clear_to_zero(encoder: &mut wgpu::CommandEncoder, texture: &wgpu::Texture) {
+    let view = texture.create_view(&Default::default());
+    let load = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
+    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some("clear sums"),
+        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+            view: &view,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
+        })],
+        ..Default::default()
+    });
+}
+
 #[expect(clippy::too_many_arguments, reason = "one call, all of it different things")]
 fn accumulate(
     renderer: &mut Renderer,
@@ -409,7 +427,7 @@ fn accumulate(
     let _ = width;
     let mut work = Work::new(renderer, plan, view, whole, blank)?;
     if sample == 0 {
-        work.recorder.encoder.clear_texture(before, &wgpu::ImageSubresourceRange::default());
+        clear_to_zero(&mut work.recorder.encoder, before);
     }
     composite::accumulate(&mut work.context())?;
     Ok(work.submit_times(tally)?)

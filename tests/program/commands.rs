@@ -301,11 +301,26 @@ fn backgrounds_and_bits_are_as_asked() {
         ("--bits 16", ColorType::Rgb16),
         ("--bits 16 --background none", ColorType::Rgba16),
         ("--background none", ColorType::Rgba8),
-        ("--samples 3", ColorType::Rgb8),
     ] {
         let png = place.done(&format!("render boxes.glb -o - --size 32x32 {options}")).out;
         assert_eq!(size_and_color(&png), ((32, 32), color), "{options}");
     }
+}
+
+#[test]
+fn averaging_frames_softens_edges_and_nothing_else() {
+    if gpu("render --samples").is_none() {
+        return;
+    }
+    let place = Place::new();
+    let look = "--size 32x32 --preset plain --camera front --background none";
+    place.done(&format!("render boxes.glb -o one.png {look}"));
+    place.done(&format!("render boxes.glb -o many.png --samples 5 {look}"));
+    let (one, many) = (picture(&place.path("one.png")), picture(&place.path("many.png")));
+    assert_ne!(one, many);
+    assert_eq!(one.get_pixel(0, 0), many.get_pixel(0, 0));
+    let [a, b] = [&one, &many].map(|p| p.get_pixel(16, 16).0.map(i32::from));
+    assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 3), "{a:?} and {b:?}");
 }
 
 #[test]

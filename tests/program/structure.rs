@@ -52,7 +52,7 @@ fn rooms_named(text: &str, depth: usize) -> Vec<(usize, String)> {
         } else if line.starts_with('}') {
             inner = 0;
         }
-        let climb = format!("{}", "super::".repeat(depth + inner));
+        let climb = "super::".repeat(depth + inner);
         let mut rest = line;
         while let Some((at, prefix)) =
             ["crate::", climb.as_str()].iter().filter_map(|p| Some((rest.find(p)?, p.len()))).min()
