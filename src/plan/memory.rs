@@ -60,7 +60,7 @@ fn columns(plan: &FramePlan) -> Vec<(&'static str, u64)> {
             ("sources", 4),
         ]);
     }
-    if plan.runs(Pass::PartLookup) {
+    if plan.features.is_some() || plan.runs(Pass::PartLookup) {
         all.push(("parts", 4));
     }
     if plan.runs(Pass::ZReordering) {
@@ -180,12 +180,7 @@ fn band_around(first: u32, end: u32, height: u32, apron: u32) -> Band {
 ///
 /// # Errors
 /// `(row, fragments)` of the first row that does not fit.
-pub fn bands_of_rows(
-    row_fragments: &[u64],
-    apron: u32,
-    most: u64,
-    most_rows: u32,
-) -> Result<Vec<Band>, (u32, u64)> {
+pub fn bands_of_rows(row_fragments: &[u64], apron: u32, most: u64, most_rows: u32) -> Result<Vec<Band>, (u32, u64)> {
     let height = row_fragments.len() as u32;
     let sum = |band: &Band| -> u64 { row_fragments[band.first_row as usize..band.end_row as usize].iter().sum() };
     let mut bands = Vec::new();

@@ -8,7 +8,9 @@ use glam::DVec2;
 use super::{Frame, FrameReport, RenderError, Renderer};
 use crate::gpu::{Gpu, GpuError, PassTime, Recorder, Resource};
 use crate::math::{Camera, LinearImage, Projection, ViewFrustum};
-use crate::passes::capture::{BAND_DEEPEST, LayerCounts, STATISTICS_WORDS, bucketed_k_buffer, buckets, compacted, sort};
+use crate::passes::capture::{
+    BAND_DEEPEST, LayerCounts, STATISTICS_WORDS, bucketed_k_buffer, buckets, compacted, sort,
+};
 use crate::passes::features::{curvature, neighbours};
 use crate::passes::geometry::{GpuScene, Instances};
 use crate::passes::{BlendParameters, Context, FrameUniform, StoreLayout, composite, opacity, opaque, shade};
@@ -187,8 +189,14 @@ pub(super) fn draw(
                     bucketed_k_buffer::clear(&mut context)?;
                     bucketed_k_buffer::z_insertion(&mut context, scene)?;
                     bucketed_k_buffer::count_layers(&mut context)?;
+                    let found_by_bucket = plan.runs(Pass::PartLookup);
+                    if !found_by_bucket {
+                        bucketed_k_buffer::data_storage(&mut context, scene)?;
+                    }
                     bucket_passes(&mut context)?;
-                    bucketed_k_buffer::data_storage(&mut context, scene)?;
+                    if found_by_bucket {
+                        bucketed_k_buffer::data_storage(&mut context, scene)?;
+                    }
                     finish_layers(&mut context)?;
                     work.finish(&mut tally)?;
                 }
@@ -249,11 +257,8 @@ fn draw_compacted(
     }
     let capabilities = renderer.gpu.capabilities();
     let limit = capabilities.max_binding.min(capabilities.max_buffer) / 8;
-    let bands = plan::bands_of_rows(&rows, plan.apron, limit, plan.most_rows).map_err(|(row, fragments)| RenderError::RowTooDeep {
-        row,
-        fragments,
-        limit,
-    })?;
+    let bands = plan::bands_of_rows(&rows, plan.apron, limit, plan.most_rows)
+        .map_err(|(row, fragments)| RenderError::RowTooDeep { row, fragments, limit })?;
     let single = bands.len() == 1;
     for band in bands {
         let fragments = rows[band.first_row as usize..band.end_row as usize].iter().sum();
@@ -462,9 +467,9 @@ fn bind_settings(
     };
     let tail = matches!(plan.capture, Capture::BucketedKBuffer { tail: true, .. });
     if plan.runs(Pass::Stylize) || tail {
-        let [color, alpha] = opacity::tables(&gpu, transfer);
-        resources.set("color_table", Resource::Texture(color));
-        resources.set("opacity_table", Resource::Texture(alpha));
+        let [color, alpha] = opacity::tables(&gpu, transfer)?;
+        resources.set("color_table", Resource::Buffer(color));
+        resources.set("opacity_table", Resource::Buffer(alpha));
         let parameters = opacity::parameters(transfer, settings.opacity.gain, constant);
         resources.set("transfer", Resource::Buffer(gpu.uniform("transfer", &parameters)?));
     }

@@ -22,11 +22,10 @@ use crate::settings::NeighbourSearch;
 /// [`GpuError`] of the device.
 pub fn candidates(context: &mut Context<'_>, search: NeighbourSearch) -> Result<(), GpuError> {
     let modules = StoreModules::of(context.plan);
-    let search = match search {
-        NeighbourSearch::Buckets => "passes/features/search_buckets",
-        NeighbourSearch::BruteForce => "passes/features/search_brute_force",
-    };
-    let spec = ShaderSpec::new("passes/features/neighbour_candidates").with(search);
+    let spec = ShaderSpec::new(match search {
+        NeighbourSearch::Buckets => "passes/features/candidates_buckets",
+        NeighbourSearch::BruteForce => "passes/features/candidates_brute_force",
+    });
     let spec = modules.normals(modules.keys(modules.layout(spec)));
     context.per_pixel(Pass::NeighbourCandidates, &spec, "main")
 }
