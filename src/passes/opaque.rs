@@ -4,7 +4,7 @@
 
 use crate::gpu::GpuError;
 use crate::passes::Context;
-use crate::passes::geometry::{GpuScene, draw_opaque};
+use crate::passes::geometry::{GpuScene, draw_opaque, draw_unsorted};
 use crate::passes::store::StoreModules;
 
 /// Draws the nearest surfaces into `target` (Rg32Uint).
@@ -19,4 +19,12 @@ pub fn opaque(
 ) -> Result<(), GpuError> {
     let modules = StoreModules::of(context.plan);
     draw_opaque(context, scene, target, depth, &|spec| modules.normals(spec.with("passes/opaque")))
+}
+
+/// Blends every fragment as it comes into `target` (Rgba16Float): the lower bound that benchmarks compare with.
+///
+/// # Errors
+/// [`GpuError`] of the device.
+pub fn unsorted(context: &mut Context<'_>, scene: &GpuScene, target: &wgpu::TextureView) -> Result<(), GpuError> {
+    draw_unsorted(context, scene, target, &|spec| spec.with("passes/unsorted"))
 }
