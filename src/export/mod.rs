@@ -1,0 +1,3 @@
+//! Writes what Pellucid has: models.
+
+pub mod glb;

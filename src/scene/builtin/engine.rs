@@ -1,0 +1,3 @@
+//! stub
+use crate::scene::Scene;
+pub(super) fn scene() -> Scene { Scene::default() }
