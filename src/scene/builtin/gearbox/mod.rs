@@ -42,7 +42,7 @@ pub(super) fn scene() -> Scene {
         housing: a.material("housing, painted cast iron", 0xA9BACB, 0.0, 0.55),
         cover: a.material("covers, painted", 0x8FA3B8, 0.0, 0.5),
         base: a.material("base plate", 0x8C8F86, 0.3, 0.6),
-        gear: a.material("gear steel", 0xB9B4A6, 0.8, 0.35),
+        gear: a.material("gear steel", 0xB8B6B0, 0.8, 0.35),
         planet: a.material("planet bronze", 0xC59A5C, 0.8, 0.38),
         carrier: a.material("carrier steel", 0x86A08C, 0.5, 0.45),
         shaft: a.material("shaft steel", 0x7F8894, 0.85, 0.35),

@@ -159,8 +159,8 @@ fn output_carrier() -> Shell {
     let center = circle(4.0);
     face(&mut s, 114.0, &loops(&ring_of(19.0), [&teeth]), true);
     wall(&mut s, &teeth, 114.0, 151.0, true);
-    bevel(&mut s, &teeth, 151.0, 152.0, 0.5, true);
-    face(&mut s, 152.0, &loops(&teeth.offset(-0.5), [&center.offset(1.0)]), true);
+    bevel(&mut s, &teeth, 151.0, 152.0, 0.3, true);
+    face(&mut s, 152.0, &loops(&teeth.offset(-0.3), [&center.offset(1.0)]), true);
     bevel(&mut s, &center, 151.0, 152.0, 1.0, false);
     wall(&mut s, &center, 136.0, 151.0, false);
     face(&mut s, 136.0, &[center.points()], true);

@@ -1,3 +1,0 @@
-//! stub
-use crate::scene::Scene;
-pub(super) fn scene() -> Scene { Scene::default() }
