@@ -57,7 +57,8 @@ impl BallBearing {
     }
 
     fn ball_radius(&self) -> f64 {
-        0.3 * (self.outer - self.bore)
+        // A narrow bearing has smaller balls: the cage must still close around them.
+        (0.3 * (self.outer - self.bore)).min(0.36 * self.width)
     }
 
     fn rings(&self, tolerance: Tolerance) -> (Shell, Shell) {

@@ -122,7 +122,7 @@ fn combustor(a: &mut Assembly, root: usize, m: &Materials) {
 fn swirler() -> Shell {
     let outer = smooth(&[(-14.0, 29.0), (0.0, 27.5), (12.0, 31.0), (22.0, 40.0)]);
     let inner = outer.iter().rev().map(|&(p, t)| (p - DVec2::new(t.y, -t.x) * 3.0, -t)).collect();
-    revolve(&Path::closed(&[Step::Curve(outer), Step::Curve(inner)], SMALL), SMALL)
+    revolve(&Path::closed(&[Step::Curve(outer), Step::Curve(inner)], COARSE), COARSE)
 }
 
 fn nozzle() -> Shell {

@@ -18,8 +18,11 @@ use crate::scene::Scene;
 /// Chord tolerance of casings and discs, mm.
 const COARSE: Tolerance = Tolerance(0.5);
 
-/// Chord tolerance of bearings and bolts, mm.
+/// Chord tolerance of bearings and fuel nozzles, mm.
 const SMALL: Tolerance = Tolerance(0.15);
+
+/// Chord tolerance of bolts, of which there are hundreds, mm.
+const BOLT: Tolerance = Tolerance(0.25);
 
 /// Materials by what they are for.
 struct Materials {
@@ -71,22 +74,30 @@ pub(super) fn scene() -> Scene {
     a.into_scene()
 }
 
-/// A smooth curve through (z, r) points (Catmull–Rom), as (r, z) points with tangents.
+/// A smooth curve through (z, r) points, as (r, z) points with tangents: cubics with the slopes of a Catmull–Rom spline
+/// over chord length, which does not overshoot where points lie unevenly. More points where it turns more.
 fn smooth(points: &[(f64, f64)]) -> Vec<(DVec2, DVec2)> {
-    const SPAN: usize = 5;
+    const TURN: f64 = 0.12;
     let p: Vec<DVec2> = points.iter().map(|&(z, r)| DVec2::new(r, z)).collect();
     let n = p.len();
-    let tangent = |i: usize| match i {
-        0 => p[1] - p[0],
-        i if i + 1 == n => p[i] - p[i - 1],
-        i => (p[i + 1] - p[i - 1]) * 0.5,
+    let chord = |i: usize| p[i + 1] - p[i];
+    let slope = |i: usize| match i {
+        0 => chord(0).normalize(),
+        i if i + 1 == n => chord(i - 1).normalize(),
+        i => {
+            let (a, b) = (chord(i - 1), chord(i));
+            (a.normalize() * b.length() + b.normalize() * a.length()) / (a.length() + b.length())
+        }
     };
     let mut curve = Vec::new();
     for i in 0..n - 1 {
-        let (a, b, ta, tb) = (p[i], p[i + 1], tangent(i), tangent(i + 1));
+        let length = chord(i).length();
+        let (a, b, ta, tb) = (p[i], p[i + 1], slope(i) * length, slope(i + 1) * length);
+        let turned = ta.angle_to(chord(i)).abs() + chord(i).angle_to(tb).abs();
+        let steps = ((turned / TURN).ceil() as usize).clamp(1, 8);
         // The end of a span is the start of the next.
-        for k in 0..SPAN + usize::from(i + 2 == n) {
-            let t = k as f64 / SPAN as f64;
+        for k in 0..steps + usize::from(i + 2 == n) {
+            let t = k as f64 / steps as f64;
             let (t2, t3) = (t * t, t * t * t);
             let at = a * (2.0 * t3 - 3.0 * t2 + 1.0) + ta * (t3 - 2.0 * t2 + t) + b * (3.0 * t2 - 2.0 * t3) + tb * (t3 - t2);
             let along = (a - b) * (6.0 * (t2 - t)) + ta * (3.0 * t2 - 4.0 * t + 1.0) + tb * (3.0 * t2 - 2.0 * t);

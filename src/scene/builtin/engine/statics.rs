@@ -6,7 +6,7 @@ use super::super::{
     assembly::{Assembly, shift, upside_down},
     kit::{BladeSection, blade, hex_bolt, hex_nut, three},
 };
-use super::{Materials, SMALL, flanged, sheet};
+use super::{BOLT, Materials, flanged, sheet};
 
 /// Adds what does not turn and carries no compressor or turbine vanes.
 pub fn add(a: &mut Assembly, root: usize, m: &Materials) {
@@ -92,8 +92,8 @@ fn exhaust(a: &mut Assembly, root: usize, m: &Materials) {
 
 /// Bolts and nuts of the casings' flange pairs. The bolt holes are not drawn: bolts of real casings fill theirs.
 fn bolts(a: &mut Assembly, group: usize, m: &Materials) {
-    let bolt = a.mesh("flange bolt", &hex_bolt(10.0, 1.5, 34.0, 14.0, SMALL), m.bolt);
-    let nut = a.mesh("flange nut", &hex_nut(10.0, SMALL), m.bolt);
+    let bolt = a.mesh("flange bolt", &hex_bolt(10.0, 1.5, 34.0, 11.0, BOLT), m.bolt);
+    let nut = a.mesh("flange nut", &hex_nut(10.0, BOLT), m.bolt);
     for (name, z, radius, count) in [
         ("Fan frame bolts", 701.0, 365.0, 28),
         ("Diffuser bolts", 1201.0, 419.0, 36),
