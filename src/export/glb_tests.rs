@@ -90,7 +90,13 @@ fn textures_transforms_and_shared_meshes_are_written() {
             unlit: true,
             ..Material::default()
         }],
-        textures: vec![Texture { image: 0, wrap: [Wrap::Repeat; 2], mag_linear: true, min_linear: true, mip: Mip::Linear }],
+        textures: vec![Texture {
+            image: 0,
+            wrap: [Wrap::Repeat; 2],
+            mag_linear: true,
+            min_linear: true,
+            mip: Mip::Linear,
+        }],
         images: vec![Arc::new(Image { name: "dot".to_owned(), width: 1, height: 1, rgba: vec![1, 2, 3, 4] })],
         cameras: vec![SceneCamera {
             name: "eye".to_owned(),
@@ -102,9 +108,13 @@ fn textures_transforms_and_shared_meshes_are_written() {
     let (json, binary) = checked(&write_glb(&scene.clone().finish().unwrap()).unwrap());
     assert_eq!((&json["nodes"][0]["mesh"], &json["nodes"][1]["mesh"]), (&json!(0), &json!(0)), "empty mesh left out");
     assert!(json["nodes"][0]["matrix"].is_array(), "a shear is no translation, rotation and scale");
-    let transform = &json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["extensions"]["KHR_texture_transform"];
-    let (rotation, sx, sy) =
-        (transform["rotation"].as_f64().unwrap(), transform["scale"][0].as_f64().unwrap(), transform["scale"][1].as_f64().unwrap());
+    let transform =
+        &json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["extensions"]["KHR_texture_transform"];
+    let (rotation, sx, sy) = (
+        transform["rotation"].as_f64().unwrap(),
+        transform["scale"][0].as_f64().unwrap(),
+        transform["scale"][1].as_f64().unwrap(),
+    );
     let (sin, cos) = rotation.sin_cos();
     for (found, wanted) in [(sx * cos, 0.0), (sy * sin, 2.0), (-sx * sin, -3.0), (sy * cos, 0.0)] {
         assert!((found - wanted).abs() < 1e-5, "{transform}");
@@ -125,4 +135,21 @@ fn numbers_that_are_not_finite_and_wrong_images_are_refused() {
     let mut scene = builtin::build("touching").unwrap();
     scene.images.push(Arc::new(Image { name: "short".to_owned(), width: 2, height: 2, rgba: vec![0; 3] }));
     assert!(matches!(write_glb(&scene), Err(GlbError::Image { index: 0, .. })));
+}
+
+#[test]
+fn the_assets_are_valid_share_their_meshes_and_are_small_enough_to_commit() {
+    let folder = tempfile::tempdir().unwrap();
+    let files = builtin::write_assets(&folder.path().join("assets")).unwrap();
+    assert_eq!(files.len(), 2);
+    for (file, name) in files.iter().zip(["gearbox", "engine"]) {
+        assert!(file.ends_with(format!("{name}.glb")));
+        let bytes = std::fs::read(file).unwrap();
+        assert!(bytes.len() < 6_000_000, "{name}: {} bytes", bytes.len());
+        let (json, _) = checked(&bytes);
+        let count = |key: &str| json[key].as_array().unwrap().len();
+        let scene = builtin::build(name).unwrap();
+        assert_eq!((count("nodes"), count("meshes")), (scene.nodes.len(), scene.meshes.len()));
+    }
+    assert!(matches!(builtin::write_assets(&files[0]), Err(builtin::AssetError::Write { .. })));
 }

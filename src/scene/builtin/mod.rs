@@ -101,14 +101,29 @@ pub enum AssetError {
 pub fn names() -> &'static [Builtin] {
     const NAMES: &[Builtin] = &[
         Builtin { name: "gearbox", description: "planetary gearbox with housing, shafts, ball bearings and bolts" },
-        Builtin { name: "engine", description: "jet engine: nested casings, fan, compressor, combustor, turbines, shafts" },
-        Builtin { name: "quads", description: "the paper's synthetic stack of full-screen quads (parts=32, seed=1, layers=32)" },
+        Builtin {
+            name: "engine",
+            description: "jet engine: nested casings, fan, compressor, combustor, turbines, shafts",
+        },
+        Builtin {
+            name: "quads",
+            description: "the paper's synthetic stack of full-screen quads (parts=32, seed=1, layers=32)",
+        },
         Builtin { name: "sphere", description: "sphere, both curvatures 1/radius (radius=1, segments=48)" },
-        Builtin { name: "cylinder", description: "capped cylinder, curvatures 1/radius and 0 (radius=1, height=3, segments=64)" },
+        Builtin {
+            name: "cylinder",
+            description: "capped cylinder, curvatures 1/radius and 0 (radius=1, height=3, segments=64)",
+        },
         Builtin { name: "torus", description: "torus (radius=1, tube=0.4, segments=96)" },
         Builtin { name: "saddle", description: "patch of z = (x² − y²) / (2 radius) (radius=1, segments=48)" },
-        Builtin { name: "unequal-cylinder", description: "cylinder of unequal facets, unweighted vertex normals (facets=48, radius=1, height=3, seed=1)" },
-        Builtin { name: "flat-cylinder", description: "the same with flat facets (facets=48, radius=1, height=3, seed=1)" },
+        Builtin {
+            name: "unequal-cylinder",
+            description: "cylinder of unequal facets, unweighted vertex normals (facets=48, radius=1, height=3, seed=1)",
+        },
+        Builtin {
+            name: "flat-cylinder",
+            description: "the same with flat facets (facets=48, radius=1, height=3, seed=1)",
+        },
         Builtin { name: "stack", description: "five nested boxes and balls, transparent, under 500 triangles" },
         Builtin { name: "touching", description: "two boxes with a face in common" },
     ];
@@ -154,7 +169,8 @@ pub fn write_assets(folder: &Path) -> Result<Vec<PathBuf>, AssetError> {
     std::fs::create_dir_all(folder).map_err(failed(folder))?;
     let mut written = Vec::new();
     for name in ["gearbox", "engine"] {
-        let bytes = crate::export::glb::write_glb(&build(name)?).map_err(|source| AssetError::Export { name, source })?;
+        let bytes =
+            crate::export::glb::write_glb(&build(name)?).map_err(|source| AssetError::Export { name, source })?;
         let path = folder.join(format!("{name}.glb"));
         std::fs::write(&path, bytes).map_err(failed(&path))?;
         written.push(path);

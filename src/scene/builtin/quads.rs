@@ -25,7 +25,8 @@ pub(super) fn scene(p: &mut Parameters) -> Result<Scene, BuiltinError> {
     let layers = layers as usize;
     let parts = (parts as usize).min(layers);
     let mut random = Random::new(seed as u64);
-    let mut owners: Vec<usize> = (0..layers).map(|i| if i < parts { i } else { random.below(parts as u64) as usize }).collect();
+    let mut owners: Vec<usize> =
+        (0..layers).map(|i| if i < parts { i } else { random.below(parts as u64) as usize }).collect();
     for i in (1..layers).rev() {
         owners.swap(i, random.below(i as u64 + 1) as usize);
     }

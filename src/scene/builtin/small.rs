@@ -15,7 +15,8 @@ fn cuboid(half: f64) -> Shell {
 pub(super) fn stack() -> Scene {
     let mut assembly = Assembly::new("stack");
     let root = assembly.group(None, "stack", DMat4::IDENTITY);
-    let ring = prism(&Path::circle(DVec2::ZERO, 0.3, 16), &[Path::circle(DVec2::ZERO, 0.15, 16)], -0.2, 0.2, Chamfer::None);
+    let ring =
+        prism(&Path::circle(DVec2::ZERO, 0.3, 16), &[Path::circle(DVec2::ZERO, 0.15, 16)], -0.2, 0.2, Chamfer::None);
     let bodies = [
         ("outer box", cuboid(1.6), 0x9FB4C8),
         ("outer ball", ball_divided(1.4, 3), 0xC8A878),

@@ -70,8 +70,7 @@ fn tube(radius: f64, height: f64, angles: &[f64]) -> Shell {
 }
 
 pub(super) fn torus(p: &mut Parameters) -> Result<Scene, BuiltinError> {
-    let [radius, tube, segments] =
-        p.take([RADIUS, ("tube", 0.4, 0.001, 1000.0), ("segments", 96.0, 8.0, 2048.0)])?;
+    let [radius, tube, segments] = p.take([RADIUS, ("tube", 0.4, 0.001, 1000.0), ("segments", 96.0, 8.0, 2048.0)])?;
     let around = ((segments * tube / radius).ceil() as usize).clamp(12, 2048);
     let profile = Path::circle(DVec2::new(radius.max(tube), 0.0), tube, around);
     Ok(one("torus", &revolve_with(&profile, &angles(segments as usize))))
@@ -123,11 +122,7 @@ pub(super) fn facets(p: &mut Parameters, flat: bool) -> Result<Scene, BuiltinErr
     let mut shell = Shell::new();
     for i in 0..n {
         let j = (i + 1) % n;
-        let normals = if flat {
-            [middle(i); 2]
-        } else {
-            [middle((i + n - 1) % n) + middle(i), middle(i) + middle(j)]
-        };
+        let normals = if flat { [middle(i); 2] } else { [middle((i + n - 1) % n) + middle(i), middle(i) + middle(j)] };
         let [a, b] = [i, j].map(|k| DVec2::from_angle(angles[k]) * radius);
         let [na, nb] = normals.map(|m| m.extend(0.0));
         shell.quad(

@@ -25,7 +25,8 @@ fn shafts(a: &mut Assembly, root: usize, m: &Materials) {
     let set = a.group(Some(root), "Shafts", DMat4::IDENTITY);
     a.single(set, "center vent tube", &tube((-10.0, 2290.0), 22.0, 28.0), m.cage);
     // The low-pressure shaft swells to its couplings at both ends.
-    let low = [(60.0, 86.0), (330.0, 86.0), (420.0, 74.0), (700.0, 70.0), (1700.0, 70.0), (1850.0, 76.0), (2210.0, 76.0)];
+    let low =
+        [(60.0, 86.0), (330.0, 86.0), (420.0, 74.0), (700.0, 70.0), (1700.0, 70.0), (1850.0, 76.0), (2210.0, 76.0)];
     a.single(set, "low-pressure shaft", &sheet(&low, 16.0), m.lp_shaft);
     let high = [(640.0, 112.0), (760.0, 112.0), (1000.0, 108.0), (1500.0, 108.0), (1620.0, 114.0), (1745.0, 116.0)];
     a.single(set, "high-pressure shaft", &sheet(&high, 14.0), m.hp_shaft);

@@ -77,7 +77,7 @@ pub(super) fn scene() -> Scene {
 /// A smooth curve through (z, r) points, as (r, z) points with tangents: cubics with the slopes of a Catmull–Rom spline
 /// over chord length, which does not overshoot where points lie unevenly. More points where it turns more.
 fn smooth(points: &[(f64, f64)]) -> Vec<(DVec2, DVec2)> {
-    const TURN: f64 = 0.12;
+    const TURN: f64 = 0.075;
     let p: Vec<DVec2> = points.iter().map(|&(z, r)| DVec2::new(r, z)).collect();
     let n = p.len();
     let chord = |i: usize| p[i + 1] - p[i];
@@ -94,12 +94,13 @@ fn smooth(points: &[(f64, f64)]) -> Vec<(DVec2, DVec2)> {
         let length = chord(i).length();
         let (a, b, ta, tb) = (p[i], p[i + 1], slope(i) * length, slope(i + 1) * length);
         let turned = ta.angle_to(chord(i)).abs() + chord(i).angle_to(tb).abs();
-        let steps = ((turned / TURN).ceil() as usize).clamp(1, 8);
+        let steps = ((turned / TURN).ceil() as usize).clamp(1, 10);
         // The end of a span is the start of the next.
         for k in 0..steps + usize::from(i + 2 == n) {
             let t = k as f64 / steps as f64;
             let (t2, t3) = (t * t, t * t * t);
-            let at = a * (2.0 * t3 - 3.0 * t2 + 1.0) + ta * (t3 - 2.0 * t2 + t) + b * (3.0 * t2 - 2.0 * t3) + tb * (t3 - t2);
+            let at =
+                a * (2.0 * t3 - 3.0 * t2 + 1.0) + ta * (t3 - 2.0 * t2 + t) + b * (3.0 * t2 - 2.0 * t3) + tb * (t3 - t2);
             let along = (a - b) * (6.0 * (t2 - t)) + ta * (3.0 * t2 - 4.0 * t + 1.0) + tb * (3.0 * t2 - 2.0 * t);
             curve.push((at, along.normalize()));
         }
@@ -159,7 +160,11 @@ fn disc(z: f64, bore: f64, rim: f64, widths: (f64, f64, f64)) -> Shell {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{build, kit::shell::{faults, volume}, probe::Rays};
+    use super::super::{
+        build,
+        kit::shell::{faults, volume},
+        probe::Rays,
+    };
     use glam::DVec3;
 
     #[test]

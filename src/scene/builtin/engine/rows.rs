@@ -63,7 +63,8 @@ pub fn add(a: &mut Assembly, root: usize, m: &Materials) {
         stage(a, high, m, &s, false);
     }
     let low = a.group(Some(root), "Low-pressure turbine", DMat4::IDENTITY);
-    const LOW: [&str; 4] = ["Low-pressure turbine 1", "Low-pressure turbine 2", "Low-pressure turbine 3", "Low-pressure turbine 4"];
+    const LOW: [&str; 4] =
+        ["Low-pressure turbine 1", "Low-pressure turbine 2", "Low-pressure turbine 3", "Low-pressure turbine 4"];
     for (i, name) in LOW.into_iter().enumerate() {
         let t = i as f64;
         let s = Stage {
@@ -81,7 +82,14 @@ pub fn add(a: &mut Assembly, root: usize, m: &Materials) {
 
 fn fan(a: &mut Assembly, root: usize, m: &Materials) {
     let set = a.group(Some(root), "Fan", DMat4::IDENTITY);
-    let section = |radius, chord, thickness, camber, stagger, sweep| BladeSection { radius, chord, thickness, camber, stagger, sweep };
+    let section = |radius, chord, thickness, camber, stagger, sweep| BladeSection {
+        radius,
+        chord,
+        thickness,
+        camber,
+        stagger,
+        sweep,
+    };
     let shape = three(
         section(270.0, 190.0, 0.11, 0.11, 0.25, 0.0),
         section(560.0, 250.0, 0.05, 0.06, 0.75, -22.0),
@@ -97,7 +105,14 @@ fn stage(a: &mut Assembly, parent: usize, m: &Materials, s: &Stage, compressor: 
     let (rotor, vane) = if compressor { (m.compressor, m.stator) } else { (m.turbine, m.vane) };
     let (thick, camber) = if compressor { (0.09, 0.06) } else { (0.17, 0.13) };
     let middle = 0.5 * (s.hub + s.tip);
-    let section = |radius, chord: f64, camber, stagger| BladeSection { radius, chord, thickness: thick, camber, stagger, sweep: 0.0 };
+    let section = |radius, chord: f64, camber, stagger| BladeSection {
+        radius,
+        chord,
+        thickness: thick,
+        camber,
+        stagger,
+        sweep: 0.0,
+    };
     let shape = three(
         section(s.hub - 1.0, s.chord, camber, 0.4),
         section(middle, s.chord * 0.97, camber * 0.8, 0.62),

@@ -26,7 +26,15 @@ pub fn add(a: &mut Assembly, root: usize, m: &Materials) {
         (1380.0, 880.0),
     ];
     a.single(nacelle, "outer cowl", &sheet(&lip, 9.0), m.nacelle);
-    let duct = [(-298.0, 852.0), (-150.0, 868.0), (50.0, 878.0), (400.0, 880.0), (800.0, 880.0), (1150.0, 872.0), (1372.0, 858.0)];
+    let duct = [
+        (-298.0, 852.0),
+        (-150.0, 868.0),
+        (50.0, 878.0),
+        (400.0, 880.0),
+        (800.0, 880.0),
+        (1150.0, 872.0),
+        (1372.0, 858.0),
+    ];
     a.single(nacelle, "inner barrel", &sheet(&duct, 12.0), m.nacelle);
     let case = a.group(Some(root), "Fan case", DMat4::IDENTITY);
     a.single(case, "containment ring", &flanged((-120.0, 330.0), (832.0, 832.0), 12.0, 18.0), m.casing);
@@ -67,8 +75,13 @@ pub fn add(a: &mut Assembly, root: usize, m: &Materials) {
 
 fn guide_vanes(a: &mut Assembly, root: usize, m: &Materials) {
     let set = a.group(Some(root), "Outlet guide vanes", DMat4::IDENTITY);
-    let section = |radius, chord, stagger, sweep| BladeSection { radius, chord, thickness: 0.09, camber: -0.07, stagger, sweep };
-    let shape = three(section(540.0, 150.0, -0.22, 0.0), section(690.0, 160.0, -0.18, 15.0), section(866.0, 175.0, -0.16, 40.0));
+    let section =
+        |radius, chord, stagger, sweep| BladeSection { radius, chord, thickness: 0.09, camber: -0.07, stagger, sweep };
+    let shape = three(
+        section(540.0, 150.0, -0.22, 0.0),
+        section(690.0, 160.0, -0.18, 15.0),
+        section(866.0, 175.0, -0.16, 40.0),
+    );
     let vane = a.mesh("outlet guide vane", &blade(shape, 10, 8), m.stator);
     a.circle(set, "guide vane", vane, 32, 0.05, shift(0.0, 0.0, 470.0));
 }
@@ -78,13 +91,22 @@ fn exhaust(a: &mut Assembly, root: usize, m: &Materials) {
     let frame = a.group(Some(set), "Turbine rear frame", DMat4::IDENTITY);
     a.single(frame, "rear frame outer ring", &flanged((2132.0, 2260.0), (471.0, 474.0), 8.0, 14.0), m.casing);
     a.single(frame, "rear frame hub", &flanged((2140.0, 2255.0), (232.0, 232.0), 12.0, 8.0), m.casing);
-    let section = |radius, chord| BladeSection { radius, chord, thickness: 0.16, camber: 0.02, stagger: 0.12, sweep: 0.0 };
+    let section =
+        |radius, chord| BladeSection { radius, chord, thickness: 0.16, camber: 0.02, stagger: 0.12, sweep: 0.0 };
     let shape = three(section(246.0, 100.0), section(360.0, 95.0), section(472.0, 100.0));
     let strut = a.mesh("rear frame strut", &blade(shape, 10, 4), m.vane);
     a.circle(frame, "strut", strut, 12, 0.0, shift(0.0, 0.0, 2195.0));
     let nozzle = [(2262.0, 481.0), (2350.0, 476.0), (2470.0, 448.0), (2600.0, 405.0), (2690.0, 378.0)];
     a.single(set, "core nozzle", &sheet(&nozzle, 6.0), m.exhaust);
-    let plug = [(2262.0, 244.0), (2340.0, 246.0), (2450.0, 222.0), (2600.0, 160.0), (2750.0, 86.0), (2830.0, 40.0), (2850.0, 20.0)];
+    let plug = [
+        (2262.0, 244.0),
+        (2340.0, 246.0),
+        (2450.0, 222.0),
+        (2600.0, 160.0),
+        (2750.0, 86.0),
+        (2830.0, 40.0),
+        (2850.0, 20.0),
+    ];
     a.single(set, "exhaust cone", &sheet(&plug, 5.0), m.exhaust);
     let vent = [(2300.0, 60.0), (2500.0, 60.0), (2700.0, 40.0), (2845.0, 15.0)];
     a.single(set, "vent tube", &sheet(&vent, 4.0), m.lp_shaft);

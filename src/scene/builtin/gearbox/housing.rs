@@ -97,7 +97,14 @@ fn ring_housing() -> Shell {
 }
 
 /// The turned sides of an end housing plus its flange faces at `joint` and `back`, and its nose face at `nose`.
-fn end_housing(profile: &[Step], joint: f64, back: f64, cone: f64, nose: (f64, f64, f64), holes: (usize, f64, f64)) -> Shell {
+fn end_housing(
+    profile: &[Step],
+    joint: f64,
+    back: f64,
+    cone: f64,
+    nose: (f64, f64, f64),
+    holes: (usize, f64, f64),
+) -> Shell {
     let mut s = revolve_with(&Path::closed(profile, FINE), &angles());
     let out = joint > 0.0;
     let bolts = bolt_circle(BOLTS, BOLT_CIRCLE, 4.3);
@@ -218,7 +225,11 @@ pub fn add(a: &mut Assembly, root: usize, m: &Materials) {
     a.single(group, "output housing", &output_housing(), m.housing);
     a.single(group, "input housing", &input_housing(), m.housing);
     let holes = [bolt_circle(BOLTS, BOLT_CIRCLE, 4.3), vec![circle(75.2)]].concat();
-    let gasket = a.mesh("gasket", &extrude(&circle(103.0), &holes, 0.05, 0.45, [Chamfer::None; 2], [Chamfer::None; 2]), m.gasket);
+    let gasket = a.mesh(
+        "gasket",
+        &extrude(&circle(103.0), &holes, 0.05, 0.45, [Chamfer::None; 2], [Chamfer::None; 2]),
+        m.gasket,
+    );
     a.part(group, "output gasket", gasket, shift(0.0, 0.0, 30.0));
     a.part(group, "input gasket", gasket, shift(0.0, 0.0, -30.5));
     flange_bolts(a, group, m);

@@ -62,7 +62,11 @@ pub(super) fn scene() -> Scene {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{build, kit::shell::{faults, volume}, probe::Rays};
+    use super::super::{
+        build,
+        kit::shell::{faults, volume},
+        probe::Rays,
+    };
     use glam::DVec3;
 
     #[test]

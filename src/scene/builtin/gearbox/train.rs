@@ -104,12 +104,8 @@ fn pin() -> Shell {
 /// Fourteen needles around a pin: one part, as a caged set is.
 fn rollers() -> Shell {
     let (radius, half) = (1.47, 12.0);
-    let profile = [
-        Step::To(0.0, -half),
-        Step::Round(radius, -half, 0.5),
-        Step::Round(radius, half, 0.5),
-        Step::To(0.0, half),
-    ];
+    let profile =
+        [Step::To(0.0, -half), Step::Round(radius, -half, 0.5), Step::Round(radius, half, 0.5), Step::To(0.0, half)];
     let one = revolve(&Path::open(&profile, SMALL), SMALL);
     let mut all = Shell::new();
     for i in 0..14 {
@@ -195,7 +191,13 @@ fn carrier_set(a: &mut Assembly, group: usize, m: &Materials) {
     a.single(group, "rear carrier plate", &rear_carrier(), m.carrier);
     // Spacer between two planets; it keeps 2 mm off their teeth.
     let outline = Path::closed(
-        &[Step::Round(36.0, -5.0, 2.5), Step::Round(53.0, -13.0, 3.0), Step::Round(55.0, 0.0, 20.0), Step::Round(53.0, 13.0, 3.0), Step::Round(36.0, 5.0, 2.5)],
+        &[
+            Step::Round(36.0, -5.0, 2.5),
+            Step::Round(53.0, -13.0, 3.0),
+            Step::Round(55.0, 0.0, 20.0),
+            Step::Round(53.0, 13.0, 3.0),
+            Step::Round(36.0, 5.0, 2.5),
+        ],
         FINE,
     );
     let hole = Path::circle(DVec2::new(45.0, 0.0), 3.3, FINE.circle(3.3));
@@ -267,7 +269,12 @@ fn bearing_set(a: &mut Assembly, root: usize, m: &Materials) {
     input.add(a, group, "Input bearing", meshes, shift(0.0, 0.0, -64.1));
     // Spacers on the output shaft: between the bearings' inner rings.
     let sleeve = turned(
-        &[Step::Cut(20.05, 58.05, 0.3), Step::Cut(24.0, 58.05, 0.3), Step::Cut(24.0, 76.05, 0.3), Step::Cut(20.05, 76.05, 0.3)],
+        &[
+            Step::Cut(20.05, 58.05, 0.3),
+            Step::Cut(24.0, 58.05, 0.3),
+            Step::Cut(24.0, 76.05, 0.3),
+            Step::Cut(20.05, 76.05, 0.3),
+        ],
         FINE,
     );
     a.single(group, "spacer sleeve", &sleeve, m.cage);

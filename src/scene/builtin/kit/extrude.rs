@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3};
 
-use super::{planar::triangulate, Path, Shell, Vertex};
+use super::{Path, Shell, Vertex, planar::triangulate};
 
 /// What an extruded outline's rim looks like.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -89,7 +89,10 @@ pub fn extrude(outline: &Path, holes: &[Path], z0: f64, z1: f64, outer: [Chamfer
 
 #[cfg(test)]
 mod tests {
-    use super::super::{shell::{faults, volume}, Step, Tolerance};
+    use super::super::{
+        Step, Tolerance,
+        shell::{faults, volume},
+    };
     use super::*;
 
     #[test]

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 
 use glam::DVec2;
 
-use super::{extrude, face, revolve, thread::thread, wall, Chamfer, Path, Shell, Step, Tolerance, Vertex};
+use super::{Chamfer, Path, Shell, Step, Tolerance, Vertex, extrude, face, revolve, thread::thread, wall};
 
 /// Chords on each side of a chamfered hexagon: the chamfer's edge on it is a hyperbola.
 const HEX_CHORDS: usize = 4;
@@ -43,7 +43,8 @@ fn hex_sides(shell: &mut Shell, across_flats: f64, z0: f64, z1: f64, both: bool)
             if !make {
                 continue;
             }
-            let (z, height) = if top { (z1, &high as &dyn Fn(DVec2) -> f64) } else { (z0, &low as &dyn Fn(DVec2) -> f64) };
+            let (z, height) =
+                if top { (z1, &high as &dyn Fn(DVec2) -> f64) } else { (z0, &low as &dyn Fn(DVec2) -> f64) };
             let cone = |p: DVec2, at: DVec2, z: f64| {
                 Vertex::new(at.extend(z), (p.normalize() * slope).extend(if top { 1.0 } else { -1.0 }))
             };

@@ -163,13 +163,17 @@ pub fn ribbed(count: u32, radius: f64, tip: f64, width: f64, tolerance: Toleranc
 
 #[cfg(test)]
 mod tests {
-    use super::super::{face, prism, shell::{faults, volume}, Chamfer, Shell};
+    use super::super::{
+        Chamfer, Shell, face, prism,
+        shell::{faults, volume},
+    };
     use super::*;
 
     #[test]
     fn gears_are_closed_and_of_plausible_size() {
         for teeth in [18, 24] {
-            let gear = prism(&external_gear(2.0, teeth), &[Path::circle(DVec2::ZERO, 9.0, 48)], -5.0, 5.0, Chamfer::None);
+            let gear =
+                prism(&external_gear(2.0, teeth), &[Path::circle(DVec2::ZERO, 9.0, 48)], -5.0, 5.0, Chamfer::None);
             let primitive = gear.primitive(0);
             assert!(faults(&primitive).is_empty(), "{:?}", faults(&primitive));
             let pitch = f64::from(teeth);
@@ -182,7 +186,10 @@ mod tests {
     #[test]
     fn teeth_at_the_pitch_circle_fill_half_of_it_less_the_play() {
         let half = half_angle(2.0, 24, 24.0, PLAY * 2.0);
-        assert!((half * 24.0 * 2.0 + 4.0 * PLAY - PI).abs() < 1e-9, "tooth thickness and play make half the circular pitch");
+        assert!(
+            (half * 24.0 * 2.0 + 4.0 * PLAY - PI).abs() < 1e-9,
+            "tooth thickness and play make half the circular pitch"
+        );
     }
 
     #[test]

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use glam::{DVec2, DVec3};
 
-use super::{planar::triangulate, Shell, Vertex};
+use super::{Shell, Vertex, planar::triangulate};
 
 /// An airfoil section of a blade at one radius.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -104,9 +104,14 @@ mod tests {
 
     #[test]
     fn a_twisted_blade_is_closed() {
-        let section = |radius, chord, stagger| BladeSection { radius, chord, thickness: 0.08, camber: 0.06, stagger, sweep: 0.0 };
+        let section =
+            |radius, chord, stagger| BladeSection { radius, chord, thickness: 0.08, camber: 0.06, stagger, sweep: 0.0 };
         for sign in [1.0, -1.0] {
-            let shape = three(section(300.0, 180.0, 0.2 * sign), section(500.0, 220.0, 0.6 * sign), section(800.0, 260.0, 1.1 * sign));
+            let shape = three(
+                section(300.0, 180.0, 0.2 * sign),
+                section(500.0, 220.0, 0.6 * sign),
+                section(800.0, 260.0, 1.1 * sign),
+            );
             let primitive = blade(shape, 12, 10).primitive(0);
             assert!(faults(&primitive).is_empty(), "{:?}", faults(&primitive));
             assert!(volume(&primitive) > 0.0);

@@ -29,7 +29,7 @@ pub use fasteners::{hex_bolt, hex_nut, socket_screw, turned, washer};
 pub use gear::{external_gear, internal_gear, ribbed, spline};
 pub use loft::{BladeSection, blade, three};
 pub use path::{Path, Step};
-pub use perforated::{perforated_tube, Perforation};
+pub use perforated::{Perforation, perforated_tube};
 pub use revolve::{revolve, revolve_with};
 pub use shell::{Shell, Vertex};
 pub use solids::{ball, ball_divided, torus_tube};

@@ -153,7 +153,7 @@ impl Path {
             }
         }
         if closed && kept.len() > 1 && kept[0].0.distance(kept[kept.len() - 1].0) < 1e-7 {
-            let last = kept.pop().map_or(None, |p| p.1);
+            let last = kept.pop().and_then(|p| p.1);
             kept[0].1 = last;
         }
         let count = kept.len();

@@ -56,19 +56,21 @@ fn bridge(points: &[DVec2], polygon: &[usize], holes: &[Vec<usize>]) -> Option<(
     }
     candidates.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)).then(a.2.cmp(&b.2)).then(a.3.cmp(&b.3)));
     let rings = || std::iter::once(polygon).chain(holes.iter().map(Vec::as_slice));
-    candidates.into_iter().find(|&(_, h, i, j)| {
-        let (a, b) = (points[holes[h][i]], points[polygon[j]]);
-        let clear = rings().all(|ring| {
-            (0..ring.len()).all(|k| {
-                let (c, d) = (points[ring[k]], points[ring[(k + 1) % ring.len()]]);
-                c == a || d == a || c == b || d == b || !crosses(a, b, c, d)
-            })
-        });
-        // Where earlier bridges made two copies of a corner, the segment must leave inside this copy's angle.
-        let n = polygon.len();
-        clear && inside_corner(points[polygon[(j + n - 1) % n]], b, points[polygon[(j + 1) % n]], a)
-    })
-    .map(|(_, h, i, j)| (h, i, j))
+    candidates
+        .into_iter()
+        .find(|&(_, h, i, j)| {
+            let (a, b) = (points[holes[h][i]], points[polygon[j]]);
+            let clear = rings().all(|ring| {
+                (0..ring.len()).all(|k| {
+                    let (c, d) = (points[ring[k]], points[ring[(k + 1) % ring.len()]]);
+                    c == a || d == a || c == b || d == b || !crosses(a, b, c, d)
+                })
+            });
+            // Where earlier bridges made two copies of a corner, the segment must leave inside this copy's angle.
+            let n = polygon.len();
+            clear && inside_corner(points[polygon[(j + n - 1) % n]], b, points[polygon[(j + 1) % n]], a)
+        })
+        .map(|(_, h, i, j)| (h, i, j))
 }
 
 fn crosses(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> bool {
@@ -178,7 +180,8 @@ mod tests {
 
     #[test]
     fn a_flange_with_holes_is_covered_exactly() {
-        let mut loops = vec![Path::circle(DVec2::ZERO, 95.0, 96).points(), Path::circle(DVec2::ZERO, 75.0, 64).points()];
+        let mut loops =
+            vec![Path::circle(DVec2::ZERO, 95.0, 96).points(), Path::circle(DVec2::ZERO, 75.0, 64).points()];
         for i in 0..12 {
             let center = DVec2::from_angle(i as f64 * std::f64::consts::TAU / 12.0) * 88.0;
             loops.push(Path::circle(center, 4.2, 24).points());

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use glam::{DVec2, DVec3};
 
-use super::{path::Knot, Path, Shell, Tolerance, Vertex};
+use super::{Path, Shell, Tolerance, Vertex, path::Knot};
 
 /// Revolves `profile`. Each smooth face gets the number of chords that its largest radius needs; rings of different
 /// numbers meet only in planar faces, where a change costs no accuracy.
@@ -113,7 +113,10 @@ fn zip(shell: &mut Shell, low: &[Vertex], high: &[Vertex]) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{shell::{faults, volume}, Step};
+    use super::super::{
+        Step,
+        shell::{faults, volume},
+    };
     use super::*;
 
     #[test]
@@ -130,7 +133,14 @@ mod tests {
         assert!(found < exact && found > exact * 0.98, "{found} of {exact}");
 
         let shaft = Path::open(
-            &[Step::To(0.0, 0.0), Step::To(5.0, 0.0), Step::To(5.0, 10.0), Step::To(2.0, 10.0), Step::To(2.0, 20.0), Step::To(0.0, 20.0)],
+            &[
+                Step::To(0.0, 0.0),
+                Step::To(5.0, 0.0),
+                Step::To(5.0, 10.0),
+                Step::To(2.0, 10.0),
+                Step::To(2.0, 20.0),
+                Step::To(0.0, 20.0),
+            ],
             tolerance,
         );
         let primitive = revolve(&shaft, tolerance).primitive(0);

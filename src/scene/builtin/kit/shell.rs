@@ -137,13 +137,15 @@ pub fn faults(primitive: &Primitive) -> Vec<String> {
         let [a, b, c] = t.map(point);
         let cross = (b - a).cross(c - a);
         let longest = (b - a).length().max((c - a).length()).max((c - b).length());
-        if !(cross.length() / longest > size * 1e-7) {
+        let height = cross.length() / longest;
+        if height.is_nan() || height <= size * 1e-7 {
             thin += 1;
         }
         if t.iter().any(|&i| normal(i).dot(cross.normalize_or_zero()) < 0.2) {
             against += 1;
         }
-        unit += t.iter().filter(|&&i| !((normal(i).length() - 1.0).abs() < 1e-5)).count();
+        unit +=
+            t.iter().filter(|&&i| (normal(i).length_squared() - 1.0).abs() > 2e-5 || !normal(i).is_finite()).count();
         for e in 0..3 {
             let ends = [t[e], t[(e + 1) % 3]].map(|i| primitive.positions[i as usize].map(|c| (c + 0.0).to_bits()));
             let forward = ends[0] < ends[1];
@@ -161,7 +163,9 @@ pub fn faults(primitive: &Primitive) -> Vec<String> {
     if crowded > 0 && open.is_empty() {
         faults.push(format!("{crowded} edges with more than two triangles"));
     }
-    for (count, what) in [(thin, "degenerate triangles"), (against, "corners against their triangle"), (unit, "normals not unit")] {
+    for (count, what) in
+        [(thin, "degenerate triangles"), (against, "corners against their triangle"), (unit, "normals not unit")]
+    {
         if count > 0 {
             faults.push(format!("{count} {what}"));
         }

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use glam::{DVec2, DVec3};
 
-use super::{revolve, Path, Shell, Tolerance, Vertex};
+use super::{Path, Shell, Tolerance, Vertex, revolve};
 
 /// A ball around the origin: an icosahedron with its edges divided, so that triangles are of nearly one size.
 pub fn ball(radius: f64, tolerance: Tolerance) -> Shell {
