@@ -1,4 +1,3 @@
-//! What leaves the program: pictures and files.
+//! Writes what Pellucid has: models.
 
-pub mod image;
-pub mod png;
+pub mod glb;
