@@ -16,7 +16,7 @@ use super::{Gpu, GpuError};
 static FILES: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/shaders");
 
 /// A shader: root file, further modules, constants, generated text.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub struct ShaderSpec {
     /// Root file below `shaders/`, without `.wgsl`.
     pub root: &'static str,
@@ -66,6 +66,11 @@ impl Composed {
             Some(&(file, line)) => (&self.files[file], line),
             None => ("<generated>", line),
         }
+    }
+
+    /// The files that it is made of, below `shaders/`, in order; names in angle brackets stand for generated text.
+    pub fn files(&self) -> &[String] {
+        &self.files
     }
 
     fn append(&mut self, file: &str, text: &str) {

@@ -199,6 +199,11 @@ fn vertex_module(vertices: Vertices, textured: bool) -> (&'static str, u32) {
     }
 }
 
+/// The vertex stages of a geometry pass: for primitives without and with textures.
+pub fn vertex_stages(vertices: Vertices) -> [ShaderSpec; 2] {
+    [false, true].map(|textured| ShaderSpec::new(vertex_module(vertices, textured).0))
+}
+
 /// A fragment stage: adds its modules to a shader whose root is the vertex module.
 pub type FragmentStage<'a> = &'a dyn Fn(ShaderSpec) -> ShaderSpec;
 

@@ -11,6 +11,7 @@ pub mod geometry;
 pub mod opacity;
 pub mod opaque;
 pub mod shade;
+pub mod shaders;
 pub mod store;
 mod uniforms;
 

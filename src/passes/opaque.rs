@@ -2,10 +2,16 @@
 //! depth test. Surfaces pass through the formats of the store, and equal depths keep the lower triangle number (parts are
 //! drawn in order), so the picture is the one that a capture would give, bit for bit.
 
-use crate::gpu::GpuError;
+use crate::gpu::{GpuError, ShaderSpec};
 use crate::passes::Context;
 use crate::passes::geometry::{GpuScene, draw_opaque, draw_unsorted};
 use crate::passes::store::StoreModules;
+use crate::plan::FramePlan;
+
+/// The shader, over a vertex stage.
+pub fn spec(plan: &FramePlan, vertex: ShaderSpec) -> ShaderSpec {
+    StoreModules::of(plan).normals(vertex.with("passes/opaque"))
+}
 
 /// Draws the nearest surfaces into `target` (Rg32Uint).
 ///
@@ -17,8 +23,8 @@ pub fn opaque(
     target: &wgpu::TextureView,
     depth: &wgpu::TextureView,
 ) -> Result<(), GpuError> {
-    let modules = StoreModules::of(context.plan);
-    draw_opaque(context, scene, target, depth, &|spec| modules.normals(spec.with("passes/opaque")))
+    let plan = context.plan;
+    draw_opaque(context, scene, target, depth, &|vertex| spec(plan, vertex))
 }
 
 /// Blends every fragment as it comes into `target` (Rgba16Float): the lower bound that benchmarks compare with.

@@ -6,7 +6,7 @@ use crate::gpu::{GpuError, ShaderSpec};
 use crate::math::{LightLevels, LightRig};
 use crate::passes::store::StoreModules;
 use crate::passes::{Context, ShadeParameters};
-use crate::plan::Pass;
+use crate::plan::{FramePlan, Pass};
 use crate::settings::LightSettings;
 
 /// The uniform of the light settings.
@@ -21,13 +21,17 @@ pub fn parameters(settings: &LightSettings) -> ShadeParameters {
     ShadeParameters { lights: LightRig::studio(levels).to_vec4s() }
 }
 
+/// The shader.
+pub fn spec(plan: &FramePlan) -> ShaderSpec {
+    let modules = StoreModules::of(plan);
+    let spec = modules.layout(ShaderSpec::new("passes/shade"));
+    modules.colors(modules.normals(modules.keys(spec)))
+}
+
 /// Lights every layer.
 ///
 /// # Errors
 /// [`GpuError`] of the device.
 pub fn shade(context: &mut Context<'_>) -> Result<(), GpuError> {
-    let modules = StoreModules::of(context.plan);
-    let spec = modules.layout(ShaderSpec::new("passes/shade"));
-    let spec = modules.colors(modules.normals(modules.keys(spec)));
-    context.per_pixel(Pass::Shade, &spec, "main")
+    context.per_pixel(Pass::Shade, &spec(context.plan), "main")
 }

@@ -92,8 +92,17 @@ pub(super) fn fill(
     capabilities: &Capabilities,
 ) -> Result<(), Refusal> {
     let [width, height] = plan.size;
-    let limit = capabilities.max_binding.min(capabilities.max_buffer);
+    let limit = capabilities.largest_buffer();
     let pixels = u64::from(width) * u64::from(height);
+    // Rows are read back with a length that is a multiple of 256 bytes.
+    let row_bytes = (16 * u64::from(width)).next_multiple_of(256);
+    let bytes = row_bytes * u64::from(height);
+    if bytes > capabilities.max_buffer {
+        let (limit, fits) = (capabilities.max_buffer, capabilities.max_buffer / row_bytes);
+        return Err(Refusal::ReadBackTooLarge { width, height, bytes, limit, fits });
+    }
+    // The smallest band: a row and its apron.
+    let needed = (1 + 2 * u64::from(plan.apron)).min(u64::from(height));
     let image = PlannedBuffer { name: "image", bytes: 16 * pixels, exact: true };
     let mut buffers = vec![image];
     if plan.samples > 1 {
@@ -109,8 +118,7 @@ pub(super) fn fill(
             // The tally has 8 bytes a pixel and the tail 24, which for small k is more than a column.
             let row = |k: u32| u64::from(width) * (u64::from(k) * WIDEST_COLUMN).max(if tail { 24 } else { 8 });
             let rows = limit / row(k);
-            let needed = 1 + 2 * u64::from(plan.apron);
-            if rows < needed.min(u64::from(height)) {
+            if rows < needed {
                 let fits = (1..k).rev().find(|&k| limit / row(k) >= needed);
                 return Err(Refusal::RowTooLarge { k, width, rows: needed, bytes: needed * row(k), limit, fits });
             }
@@ -139,7 +147,14 @@ pub(super) fn fill(
                 equal_bands(height, (u64::from(height) / bands).max(1) + 2 * u64::from(plan.apron), plan.apron);
             let in_band = fragments.min(limit / WIDEST_COLUMN);
             let exact = false;
-            plan.most_rows = ((limit / 4 - 1) / u64::from(width)).min(u64::from(height)) as u32;
+            // The pixel table has an entry more than there are pixels.
+            let most_rows = (limit / 4).saturating_sub(1) / u64::from(width);
+            if most_rows < needed {
+                let bytes = 4 * (needed * u64::from(width) + 1);
+                let fits = ((limit / 4).saturating_sub(1) / needed) as u32;
+                return Err(Refusal::TableTooLarge { width, rows: needed, bytes, limit, fits });
+            }
+            plan.most_rows = most_rows.min(u64::from(height)) as u32;
             let pixels = u64::from(plan.most_rows) * u64::from(width);
             buffers.extend(columns(plan).into_iter().map(|(name, b)| PlannedBuffer {
                 name,

@@ -5,11 +5,15 @@
 //! effects a scene calls for* lives here: constant functions need no neighbours, opaque surfaces need no capture.
 
 mod memory;
+mod refusal;
 mod report;
+#[cfg(test)]
+mod tests;
 
 use serde::Serialize;
 
 pub use memory::{Band, PlannedBuffer, bands_of_rows};
+pub use refusal::Refusal;
 
 use crate::math::Camera;
 use crate::scene::SceneStats;
@@ -134,6 +138,13 @@ pub struct Capabilities {
     pub max_storage_buffers: u32,
     /// Atomic minimum on 64-bit integers that returns the old value.
     pub atomic_min_64: bool,
+}
+
+impl Capabilities {
+    /// Bytes that one buffer of a frame may have. Shaders number words of 4 bytes with 32 bits, whatever the adapter allows.
+    pub fn largest_buffer(&self) -> u64 {
+        self.max_binding.min(self.max_buffer).min(1 << 33)
+    }
 }
 
 impl Default for Capabilities {
@@ -288,77 +299,11 @@ impl FramePlan {
     }
 }
 
-/// Why a frame cannot be drawn as asked: what was asked, what the limit is, and what would fit.
-#[derive(Debug, thiserror::Error, PartialEq)]
-pub enum Refusal {
-    /// The image is larger than the adapter's textures.
-    #[error("an image of {width}x{height} pixels was asked for; this adapter's largest is {limit}x{limit}")]
-    ImageTooLarge {
-        /// Width asked for.
-        width: u32,
-        /// Height asked for.
-        height: u32,
-        /// Largest edge.
-        limit: u32,
-    },
-    /// An image without pixels.
-    #[error("an image of {width}x{height} pixels has no pixels; both sides must be at least 1")]
-    EmptyImage {
-        /// Width asked for.
-        width: u32,
-        /// Height asked for.
-        height: u32,
-    },
-    /// The packed key's shape id has 16 bits (T4).
-    #[error(
-        "{parts} parts were asked for with the packed 32-bit key, whose shape id numbers at most 65535; \
-         capture.bucketed_k_buffer.key = wide64 has no such limit"
-    )]
-    TooManyParts {
-        /// Parts of the scene.
-        parts: u64,
-    },
-    /// The wide key needs 64-bit atomics.
-    #[error(
-        "the Bucketed k-Buffer with the wide key was asked for; this adapter has no atomic minimum on 64-bit integers \
-         that returns the old value. capture.kind = compacted gives the same picture; \
-         capture.bucketed_k_buffer.key = packed32 also runs"
-    )]
-    NoAtomics64,
-    /// Not even one row of pixels fits a binding.
-    #[error(
-        "k = {k} at a width of {width} needs {bytes} bytes for the {rows} rows of the smallest band; a binding holds \
-         {limit}. {}", fits.map(|k| format!("k = {k} fits")).unwrap_or_else(|| "a smaller image or curvature radius is needed".to_owned())
-    )]
-    RowTooLarge {
-        /// Slots asked for.
-        k: u32,
-        /// Width of the image.
-        width: u32,
-        /// Rows of the smallest band.
-        rows: u64,
-        /// Bytes needed.
-        bytes: u64,
-        /// Bytes that a binding holds.
-        limit: u64,
-        /// The largest k that fits.
-        fits: Option<u32>,
-    },
-    /// The adapter binds fewer storage buffers than a pass declares.
-    #[error("a pass binds {needed} storage buffers; this adapter allows {limit} in one stage")]
-    TooFewBindings {
-        /// Storage buffers needed.
-        needed: u32,
-        /// Storage buffers allowed.
-        limit: u32,
-    },
-    /// The transfer functions could not be read.
-    #[error("{0}")]
-    Transfer(String),
+/// Storage buffers that the largest pass binds, without and with a tail.
+pub fn storage_buffers(tail: bool) -> u32 {
+    // Data storage binds one more for the tail.
+    if tail { 9 } else { 8 }
 }
-
-/// Storage buffers that the largest pass binds.
-const STORAGE_BUFFERS: u32 = 8;
 
 /// Plans a frame.
 ///
@@ -372,6 +317,21 @@ pub fn plan(
     capabilities: &Capabilities,
     size: [u32; 2],
 ) -> Result<FramePlan, Refusal> {
+    plan_with(settings, choose_opacity(settings, transfer), scene, view, capabilities, size)
+}
+
+/// Plans a frame whose opacity is already chosen ([`choose_opacity`]).
+///
+/// # Errors
+/// As [`plan`].
+pub fn plan_with(
+    settings: &Settings,
+    opacity: Opacity,
+    scene: &SceneStats,
+    view: &ViewStats,
+    capabilities: &Capabilities,
+    size: [u32; 2],
+) -> Result<FramePlan, Refusal> {
     let [width, height] = size;
     if width == 0 || height == 0 {
         return Err(Refusal::EmptyImage { width, height });
@@ -379,14 +339,14 @@ pub fn plan(
     if width > capabilities.max_texture || height > capabilities.max_texture {
         return Err(Refusal::ImageTooLarge { width, height, limit: capabilities.max_texture });
     }
-    // Data storage binds one more for the tail.
     let tail = settings.capture.kind == CaptureKind::BucketedKBuffer
         && settings.capture.bucketed_k_buffer.tail == Tail::Average;
-    let needed = STORAGE_BUFFERS + u32::from(tail);
+    let needed = storage_buffers(tail);
     if capabilities.max_storage_buffers < needed {
-        return Err(Refusal::TooFewBindings { needed, limit: capabilities.max_storage_buffers });
+        let limit = capabilities.max_storage_buffers;
+        let without_tail = Some(storage_buffers(false)).filter(|&n| tail && n <= limit);
+        return Err(Refusal::TooFewBindings { needed, limit, without_tail });
     }
-    let opacity = choose_opacity(settings, transfer);
     let mut draft = Draft { passes: Vec::new(), skipped: Vec::new() };
     let all_opaque = opacity == (Opacity::Constant { alpha: 1.0 }) && scene.blended_materials == 0;
     let capture = if all_opaque {
@@ -441,7 +401,8 @@ impl Draft {
     }
 }
 
-fn choose_opacity(settings: &Settings, transfer: &TransferFunction) -> Opacity {
+/// What the settings and the transfer functions make of the layers' opacity. Bakes the functions: a millisecond or two.
+pub fn choose_opacity(settings: &Settings, transfer: &TransferFunction) -> Opacity {
     match settings.opacity.model {
         OpacityModel::Opaque => Opacity::Constant { alpha: 1.0 },
         OpacityModel::Constant => Opacity::Constant { alpha: settings.opacity.constant },

@@ -286,8 +286,7 @@ fn draw_compacted(
         rows.extend(words("row_sums", u64::from(end - first))?.into_iter().map(u64::from));
         deepest = deepest.max(words("statistics", STATISTICS_WORDS as u64)?[BAND_DEEPEST]);
     }
-    let capabilities = renderer.gpu.capabilities();
-    let limit = capabilities.max_binding.min(capabilities.max_buffer) / 8;
+    let limit = renderer.gpu.capabilities().largest_buffer() / 8;
     let bands = plan::bands_of_rows(&rows, plan.apron, limit, plan.most_rows)
         .map_err(|(row, fragments)| RenderError::RowTooDeep { row, fragments, limit })?;
     let single = bands.len() == 1;

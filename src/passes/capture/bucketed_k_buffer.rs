@@ -21,15 +21,10 @@ use crate::gpu::{GpuError, ShaderSpec};
 use crate::passes::Context;
 use crate::passes::geometry::{GpuScene, Vertices, draw};
 use crate::passes::store::{StoreModules, packed_depth};
-use crate::plan::{Capture, Opacity, Pass};
-use crate::settings::SlotSearch;
+use crate::plan::{Capture, FramePlan, Opacity, Pass};
 
 const TAIL_NONE: &str = "passes/capture/bucketed_k_buffer/tail_none";
 const TAIL_AVERAGE: &str = "passes/capture/bucketed_k_buffer/tail_average";
-
-fn is_wide(context: &Context<'_>) -> bool {
-    context.plan.capture.is_wide()
-}
 
 fn with_packed_depth(spec: ShaderSpec, capture: Capture) -> ShaderSpec {
     match capture {
@@ -40,14 +35,56 @@ fn with_packed_depth(spec: ShaderSpec, capture: Capture) -> ShaderSpec {
     }
 }
 
+/// The shader of [`clear`].
+pub fn clear_spec(plan: &FramePlan) -> ShaderSpec {
+    let words = if plan.capture.is_wide() { "2u" } else { "1u" };
+    ShaderSpec::new("passes/capture/bucketed_k_buffer/clear").constant("KEY_WORDS", words)
+}
+
+/// The shader of [`z_insertion`], over a vertex stage.
+pub fn z_insertion_spec(plan: &FramePlan, vertex: ShaderSpec) -> ShaderSpec {
+    let key = if plan.capture.is_wide() {
+        "passes/capture/bucketed_k_buffer/atomic_key_wide64"
+    } else {
+        "passes/capture/bucketed_k_buffer/atomic_key_packed32"
+    };
+    with_packed_depth(vertex.with("passes/capture/bucketed_k_buffer/z_insertion").with(key), plan.capture)
+}
+
+/// The shader of [`count_layers`].
+pub fn count_layers_spec() -> ShaderSpec {
+    ShaderSpec::new("passes/capture/bucketed_k_buffer/count_layers")
+}
+
+/// The shader of [`data_storage`], over a vertex stage.
+pub fn data_storage_spec(plan: &FramePlan, vertex: ShaderSpec) -> ShaderSpec {
+    let modules = StoreModules::of(plan);
+    let key = if plan.capture.is_wide() {
+        "passes/capture/bucketed_k_buffer/search_key_wide64"
+    } else {
+        "passes/capture/bucketed_k_buffer/search_key_packed32"
+    };
+    let slot = if plan.runs(Pass::BucketCreation) {
+        "passes/capture/bucketed_k_buffer/slot_by_bucket"
+    } else {
+        "passes/capture/bucketed_k_buffer/slot_by_depth"
+    };
+    let tail: &[&'static str] = match (plan.capture, plan.opacity) {
+        (Capture::BucketedKBuffer { tail: false, .. } | Capture::Compacted | Capture::None, _) => &[TAIL_NONE],
+        (_, Opacity::Constant { .. }) => &[TAIL_AVERAGE, "passes/capture/bucketed_k_buffer/tail_constant"],
+        (_, Opacity::Depth | Opacity::Curvature) => &[TAIL_AVERAGE, "passes/capture/bucketed_k_buffer/tail_transfer"],
+    };
+    let spec = vertex.with("passes/capture/bucketed_k_buffer/data_storage").with(key).with(slot);
+    let spec = tail.iter().fold(spec, |spec, module| spec.with(module));
+    with_packed_depth(modules.colors(modules.normals(spec)), plan.capture)
+}
+
 /// Empties the rows and the counters.
 ///
 /// # Errors
 /// [`GpuError`] of the device.
 pub fn clear(context: &mut Context<'_>) -> Result<(), GpuError> {
-    let words = if is_wide(context) { "2u" } else { "1u" };
-    let spec = ShaderSpec::new("passes/capture/bucketed_k_buffer/clear").constant("KEY_WORDS", words);
-    context.per_row_run(Pass::Clear, &spec, "main")
+    context.per_row_run(Pass::Clear, &clear_spec(context.plan), "main")
 }
 
 /// Step 1, a geometry pass: the k nearest keys of every pixel.
@@ -55,15 +92,8 @@ pub fn clear(context: &mut Context<'_>) -> Result<(), GpuError> {
 /// # Errors
 /// [`GpuError`] of the device.
 pub fn z_insertion(context: &mut Context<'_>, scene: &GpuScene) -> Result<(), GpuError> {
-    let capture = context.plan.capture;
-    let key = if capture.is_wide() {
-        "passes/capture/bucketed_k_buffer/atomic_key_wide64"
-    } else {
-        "passes/capture/bucketed_k_buffer/atomic_key_packed32"
-    };
-    draw(context, scene, Pass::ZInsertion, Vertices::Depth, &|spec| {
-        with_packed_depth(spec.with("passes/capture/bucketed_k_buffer/z_insertion").with(key), capture)
-    })
+    let plan = context.plan;
+    draw(context, scene, Pass::ZInsertion, Vertices::Depth, &|vertex| z_insertion_spec(plan, vertex))
 }
 
 /// Closes the books: layers of each pixel and the totals.
@@ -71,8 +101,7 @@ pub fn z_insertion(context: &mut Context<'_>, scene: &GpuScene) -> Result<(), Gp
 /// # Errors
 /// [`GpuError`] of the device.
 pub fn count_layers(context: &mut Context<'_>) -> Result<(), GpuError> {
-    let spec = ShaderSpec::new("passes/capture/bucketed_k_buffer/count_layers");
-    context.per_row_run(Pass::CountLayers, &spec, "main")
+    context.per_row_run(Pass::CountLayers, &count_layers_spec(), "main")
 }
 
 /// Step 4, a geometry pass: the surfaces of the stored keys.
@@ -80,33 +109,6 @@ pub fn count_layers(context: &mut Context<'_>) -> Result<(), GpuError> {
 /// # Errors
 /// [`GpuError`] of the device.
 pub fn data_storage(context: &mut Context<'_>, scene: &GpuScene) -> Result<(), GpuError> {
-    let modules = StoreModules::of(context.plan);
-    let key = if is_wide(context) {
-        "passes/capture/bucketed_k_buffer/search_key_wide64"
-    } else {
-        "passes/capture/bucketed_k_buffer/search_key_packed32"
-    };
-    let capture = context.plan.capture;
-    let slot = match capture {
-        Capture::BucketedKBuffer { slot_search: SlotSearch::Bucket, .. } => {
-            "passes/capture/bucketed_k_buffer/slot_by_bucket"
-        }
-        _ => "passes/capture/bucketed_k_buffer/slot_by_depth",
-    };
-    // Where buckets come first, the part column is there already.
-    let part = if context.plan.features.is_some() && !context.plan.runs(Pass::PartLookup) {
-        "passes/capture/bucketed_k_buffer/part_stored"
-    } else {
-        "passes/capture/bucketed_k_buffer/part_not_stored"
-    };
-    let tail: &[&'static str] = match (capture, context.plan.opacity) {
-        (Capture::BucketedKBuffer { tail: false, .. } | Capture::Compacted | Capture::None, _) => &[TAIL_NONE],
-        (_, Opacity::Constant { .. }) => &[TAIL_AVERAGE, "passes/capture/bucketed_k_buffer/tail_constant"],
-        (_, Opacity::Depth | Opacity::Curvature) => &[TAIL_AVERAGE, "passes/capture/bucketed_k_buffer/tail_transfer"],
-    };
-    draw(context, scene, Pass::DataStorage, Vertices::Surface, &|spec| {
-        let spec = spec.with("passes/capture/bucketed_k_buffer/data_storage").with(key).with(slot).with(part);
-        let spec = tail.iter().fold(spec, |spec, module| spec.with(module));
-        with_packed_depth(modules.colors(modules.normals(spec)), capture)
-    })
+    let plan = context.plan;
+    draw(context, scene, Pass::DataStorage, Vertices::Surface, &|vertex| data_storage_spec(plan, vertex))
 }

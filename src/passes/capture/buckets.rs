@@ -9,21 +9,30 @@ use super::sort;
 use crate::gpu::{GpuError, ShaderSpec};
 use crate::passes::Context;
 use crate::passes::store::StoreModules;
-use crate::plan::{Capture, Pass};
+use crate::plan::{Capture, FramePlan, Pass};
+
+/// The shader of [`part_lookup`].
+pub fn part_lookup_spec(plan: &FramePlan) -> ShaderSpec {
+    let modules = StoreModules::of(plan);
+    let part_of =
+        if plan.capture.is_wide() { "passes/buckets/part_of_wide64" } else { "passes/buckets/part_of_packed32" };
+    modules.keys(modules.layout(ShaderSpec::new("passes/buckets/part_lookup").with(part_of)))
+}
+
+/// What [`z_reordering`] sorts.
+pub const SORTED: &str = "passes/sort/elements_by_part";
+
+/// The shader of [`bucket_creation`].
+pub fn bucket_creation_spec(plan: &FramePlan) -> ShaderSpec {
+    StoreModules::of(plan).layout(ShaderSpec::new("passes/buckets/bucket_creation"))
+}
 
 /// Fills the part column.
 ///
 /// # Errors
 /// [`GpuError`] of the device.
 pub fn part_lookup(context: &mut Context<'_>) -> Result<(), GpuError> {
-    let modules = StoreModules::of(context.plan);
-    let part_of = if context.plan.capture.is_wide() {
-        "passes/buckets/part_of_wide64"
-    } else {
-        "passes/buckets/part_of_packed32"
-    };
-    let spec = modules.keys(modules.layout(ShaderSpec::new("passes/buckets/part_lookup").with(part_of)));
-    context.per_pixel(Pass::PartLookup, &spec, "main")
+    context.per_pixel(Pass::PartLookup, &part_lookup_spec(context.plan), "main")
 }
 
 /// Sorts the layers of every pixel by (part, depth).
@@ -39,7 +48,7 @@ pub fn z_reordering(context: &mut Context<'_>) -> Result<(), GpuError> {
         // The sort by depth has listed the pixels already.
         Capture::Compacted | Capture::None => context.deepest,
     };
-    sort::sort(context, Pass::ZReordering, "passes/sort/elements_by_part", longest)
+    sort::sort(context, Pass::ZReordering, SORTED, longest)
 }
 
 /// Builds the bucket table of every pixel.
@@ -47,7 +56,5 @@ pub fn z_reordering(context: &mut Context<'_>) -> Result<(), GpuError> {
 /// # Errors
 /// [`GpuError`] of the device.
 pub fn bucket_creation(context: &mut Context<'_>) -> Result<(), GpuError> {
-    let modules = StoreModules::of(context.plan);
-    let spec = modules.layout(ShaderSpec::new("passes/buckets/bucket_creation"));
-    context.per_pixel(Pass::BucketCreation, &spec, "main")
+    context.per_pixel(Pass::BucketCreation, &bucket_creation_spec(context.plan), "main")
 }

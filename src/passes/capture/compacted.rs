@@ -13,19 +13,41 @@ use crate::gpu::{GpuError, ShaderSpec};
 use crate::passes::Context;
 use crate::passes::geometry::{GpuScene, Vertices, draw};
 use crate::passes::store::StoreModules;
-use crate::plan::Pass;
+use crate::plan::{FramePlan, Pass};
+
+/// The shader of [`count`], over a vertex stage.
+pub fn count_spec(vertex: ShaderSpec) -> ShaderSpec {
+    vertex.with("passes/capture/compacted/count")
+}
+
+/// The entry points of [`prefix_sum_spec`].
+pub const PREFIX_SUM_ENTRIES: [&str; 3] = ["sum_rows", "scan_rows", "offset_rows"];
+
+/// The shader of [`sum_rows`] and [`prefix_sum`].
+pub fn prefix_sum_spec() -> ShaderSpec {
+    ShaderSpec::new("passes/capture/compacted/prefix_sum")
+        .constant("LARGEST_CLASS", format!("{}u", sort::LARGEST_CLASS))
+}
+
+/// The shader of [`append`], over a vertex stage.
+pub fn append_spec(plan: &FramePlan, vertex: ShaderSpec) -> ShaderSpec {
+    StoreModules::of(plan).normals(vertex.with("passes/capture/compacted/append"))
+}
+
+/// What [`sort_by_depth`] sorts.
+pub const SORTED: &str = "passes/sort/elements_by_depth";
+
+/// The shader of [`gather`].
+pub fn gather_spec() -> ShaderSpec {
+    ShaderSpec::new("passes/capture/compacted/gather")
+}
 
 /// Geometry pass: counts the fragments of every pixel into `pixel_counts`, which must be zero.
 ///
 /// # Errors
 /// [`GpuError`] of the device.
 pub fn count(context: &mut Context<'_>, scene: &GpuScene) -> Result<(), GpuError> {
-    draw(context, scene, Pass::Count, Vertices::Depth, &|spec| spec.with("passes/capture/compacted/count"))
-}
-
-fn prefix_sum_spec() -> ShaderSpec {
-    ShaderSpec::new("passes/capture/compacted/prefix_sum")
-        .constant("LARGEST_CLASS", format!("{}u", sort::LARGEST_CLASS))
+    draw(context, scene, Pass::Count, Vertices::Depth, &count_spec)
 }
 
 /// Sums the counts of every row into `row_sums`.
@@ -33,8 +55,9 @@ fn prefix_sum_spec() -> ShaderSpec {
 /// # Errors
 /// [`GpuError`] of the device.
 pub fn sum_rows(context: &mut Context<'_>) -> Result<(), GpuError> {
+    let [sum_rows, ..] = PREFIX_SUM_ENTRIES;
     let groups = [context.rows(), 1, 1];
-    context.compute(Pass::PrefixSum, &prefix_sum_spec(), "sum_rows", groups)
+    context.compute(Pass::PrefixSum, &prefix_sum_spec(), sum_rows, groups)
 }
 
 /// Turns counts into offsets, from the sums of the rows.
@@ -42,9 +65,10 @@ pub fn sum_rows(context: &mut Context<'_>) -> Result<(), GpuError> {
 /// # Errors
 /// [`GpuError`] of the device.
 pub fn prefix_sum(context: &mut Context<'_>) -> Result<(), GpuError> {
+    let [_, scan_rows, offset_rows] = PREFIX_SUM_ENTRIES;
     let groups = [context.rows(), 1, 1];
-    context.compute(Pass::PrefixSum, &prefix_sum_spec(), "scan_rows", [1, 1, 1])?;
-    context.compute(Pass::PrefixSum, &prefix_sum_spec(), "offset_rows", groups)
+    context.compute(Pass::PrefixSum, &prefix_sum_spec(), scan_rows, [1, 1, 1])?;
+    context.compute(Pass::PrefixSum, &prefix_sum_spec(), offset_rows, groups)
 }
 
 /// Geometry pass: appends key and surface of every fragment to its pixel's run.
@@ -52,10 +76,8 @@ pub fn prefix_sum(context: &mut Context<'_>) -> Result<(), GpuError> {
 /// # Errors
 /// [`GpuError`] of the device.
 pub fn append(context: &mut Context<'_>, scene: &GpuScene) -> Result<(), GpuError> {
-    let modules = StoreModules::of(context.plan);
-    draw(context, scene, Pass::Append, Vertices::Surface, &|spec| {
-        modules.normals(spec.with("passes/capture/compacted/append"))
-    })
+    let plan = context.plan;
+    draw(context, scene, Pass::Append, Vertices::Surface, &|vertex| append_spec(plan, vertex))
 }
 
 /// Sorts every pixel's run by (depth, triangle number).
@@ -64,7 +86,7 @@ pub fn append(context: &mut Context<'_>, scene: &GpuScene) -> Result<(), GpuErro
 /// [`GpuError`] of the device.
 pub fn sort_by_depth(context: &mut Context<'_>) -> Result<(), GpuError> {
     sort::classify(context, Pass::Sort)?;
-    sort::sort(context, Pass::Sort, "passes/sort/elements_by_depth", context.deepest)
+    sort::sort(context, Pass::Sort, SORTED, context.deepest)
 }
 
 /// Brings the surfaces into the sorted order.
@@ -72,5 +94,5 @@ pub fn sort_by_depth(context: &mut Context<'_>) -> Result<(), GpuError> {
 /// # Errors
 /// [`GpuError`] of the device.
 pub fn gather(context: &mut Context<'_>) -> Result<(), GpuError> {
-    context.per_pixel(Pass::Gather, &ShaderSpec::new("passes/capture/compacted/gather"), "main")
+    context.per_pixel(Pass::Gather, &gather_spec(), "main")
 }

@@ -39,7 +39,11 @@ pub fn network(n: u32) -> Vec<(u32, u32)> {
 /// Workgroups in a row of a sort's dispatch; more are put into further rows.
 const SORT_ROW: u32 = 32_768;
 
-fn classify_spec(modules: &StoreModules) -> ShaderSpec {
+/// The entry points of [`classify_spec`].
+pub const CLASSIFY_ENTRIES: [&str; 3] = ["count_classes", "place_classes", "list_pixels"];
+
+/// The shader of [`classify`].
+pub fn classify_spec(modules: &StoreModules) -> ShaderSpec {
     modules
         .layout(ShaderSpec::new("passes/sort/classify"))
         .constant("LARGEST_CLASS", format!("{LARGEST_CLASS}u"))
@@ -54,9 +58,10 @@ pub fn classify(context: &mut Context<'_>, pass: Pass) -> Result<(), GpuError> {
     let spec = classify_spec(&StoreModules::of(context.plan));
     let classes = context.resources.require(pass.name(), "classes")?;
     context.recorder.encoder.clear_buffer(classes, 0, None);
-    context.per_pixel(pass, &spec, "count_classes")?;
-    context.compute(pass, &spec, "place_classes", [1, 1, 1])?;
-    context.per_pixel(pass, &spec, "list_pixels")
+    let [count_classes, place_classes, list_pixels] = CLASSIFY_ENTRIES;
+    context.per_pixel(pass, &spec, count_classes)?;
+    context.compute(pass, &spec, place_classes, [1, 1, 1])?;
+    context.per_pixel(pass, &spec, list_pixels)
 }
 
 /// Sorts the lists of all pixels, class by class. `elements` is the shader module that says what is sorted: it declares
@@ -66,12 +71,17 @@ pub fn classify(context: &mut Context<'_>, pass: Pass) -> Result<(), GpuError> {
 /// [`GpuError`] of the device.
 pub fn sort(context: &mut Context<'_>, pass: Pass, elements: &'static str, longest: u32) -> Result<(), GpuError> {
     let arguments = context.resources.require(pass.name(), "sort_arguments")?.clone();
-    for class in 0..=class_of(longest) {
-        let kernel = context.shaders.kernel(&sort_spec(&StoreModules::of(context.plan), elements, class), "main")?;
-        let at = (&arguments, u64::from(class) * 12);
+    for (class, spec) in (0_u64..).zip(sort_specs(&StoreModules::of(context.plan), elements, longest)) {
+        let kernel = context.shaders.kernel(&spec, "main")?;
+        let at = (&arguments, class * 12);
         context.recorder.compute_indirect(pass, &kernel, &context.frame, context.resources, at)?;
     }
     Ok(())
+}
+
+/// The shaders of [`sort`], one for each class of lists that are not longer than `longest`.
+pub fn sort_specs(modules: &StoreModules, elements: &'static str, longest: u32) -> Vec<ShaderSpec> {
+    (0..=class_of(longest)).map(|class| sort_spec(modules, elements, class)).collect()
 }
 
 /// The class of a list length.

@@ -4,20 +4,33 @@
 use crate::gpu::{GpuError, ShaderSpec};
 use crate::passes::Context;
 use crate::passes::store::StoreModules;
-use crate::plan::{Capture, Pass};
+use crate::plan::{Capture, FramePlan, Pass};
+
+/// The shader of [`blend`].
+pub fn blend_spec(plan: &FramePlan) -> ShaderSpec {
+    let tail = match plan.capture {
+        Capture::BucketedKBuffer { tail: true, .. } => "passes/composite/tail_average",
+        _ => "passes/composite/tail_none",
+    };
+    StoreModules::of(plan).layout(ShaderSpec::new("passes/composite/blend").with(tail))
+}
+
+/// The shader of [`show_opaque`].
+pub fn show_opaque_spec() -> ShaderSpec {
+    ShaderSpec::new("passes/composite/show_opaque")
+}
+
+/// The shader of [`accumulate`].
+pub fn accumulate_spec() -> ShaderSpec {
+    ShaderSpec::new("passes/composite/accumulate")
+}
 
 /// Blends the layers into the image.
 ///
 /// # Errors
 /// [`GpuError`] of the device.
 pub fn blend(context: &mut Context<'_>) -> Result<(), GpuError> {
-    let modules = StoreModules::of(context.plan);
-    let tail = match context.plan.capture {
-        Capture::BucketedKBuffer { tail: true, .. } => "passes/composite/tail_average",
-        _ => "passes/composite/tail_none",
-    };
-    let spec = modules.layout(ShaderSpec::new("passes/composite/blend").with(tail));
-    context.per_pixel(Pass::Blend, &spec, "main")
+    context.per_pixel(Pass::Blend, &blend_spec(context.plan), "main")
 }
 
 /// Brings the opaque pass's colours into the image.
@@ -25,7 +38,7 @@ pub fn blend(context: &mut Context<'_>) -> Result<(), GpuError> {
 /// # Errors
 /// [`GpuError`] of the device.
 pub fn show_opaque(context: &mut Context<'_>) -> Result<(), GpuError> {
-    context.per_pixel(Pass::ShowOpaque, &ShaderSpec::new("passes/composite/show_opaque"), "main")
+    context.per_pixel(Pass::ShowOpaque, &show_opaque_spec(), "main")
 }
 
 /// Adds the image to the sum of the frames before it.
@@ -33,5 +46,5 @@ pub fn show_opaque(context: &mut Context<'_>) -> Result<(), GpuError> {
 /// # Errors
 /// [`GpuError`] of the device.
 pub fn accumulate(context: &mut Context<'_>) -> Result<(), GpuError> {
-    context.per_pixel(Pass::Accumulate, &ShaderSpec::new("passes/composite/accumulate"), "main")
+    context.per_pixel(Pass::Accumulate, &accumulate_spec(), "main")
 }

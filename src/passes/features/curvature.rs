@@ -14,7 +14,7 @@
 use crate::gpu::{GpuError, ShaderSpec};
 use crate::passes::store::StoreModules;
 use crate::passes::{Context, CurvatureParameters};
-use crate::plan::{Features, Pass};
+use crate::plan::{Features, FramePlan, Pass};
 use crate::settings::{CurvatureKind, CurvatureSettings};
 
 /// The uniform of a plan.
@@ -39,14 +39,18 @@ pub fn parameters(features: &Features, settings: &CurvatureSettings) -> Curvatur
     }
 }
 
+/// The shader.
+pub fn spec(plan: &FramePlan, features: &Features) -> ShaderSpec {
+    let modules = StoreModules::of(plan);
+    let scale = if features.scale_by_part { "passes/features/scale_part" } else { "passes/features/scale_uniform" };
+    let spec = ShaderSpec::new("passes/features/curvature").with(scale);
+    modules.normals(modules.keys(modules.layout(spec)))
+}
+
 /// Curvature of every layer in the rows that are written.
 ///
 /// # Errors
 /// [`GpuError`] of the device.
 pub fn curvature(context: &mut Context<'_>, features: &Features) -> Result<(), GpuError> {
-    let modules = StoreModules::of(context.plan);
-    let scale = if features.scale_by_part { "passes/features/scale_part" } else { "passes/features/scale_uniform" };
-    let spec = ShaderSpec::new("passes/features/curvature").with(scale);
-    let spec = modules.normals(modules.keys(modules.layout(spec)));
-    context.per_pixel(Pass::Curvature, &spec, "main")
+    context.per_pixel(Pass::Curvature, &spec(context.plan, features), "main")
 }

@@ -13,21 +13,31 @@
 use crate::gpu::{GpuError, ShaderSpec};
 use crate::passes::Context;
 use crate::passes::store::StoreModules;
-use crate::plan::Pass;
+use crate::plan::{FramePlan, Pass};
 use crate::settings::NeighbourSearch;
+
+/// The shader of [`candidates`].
+pub fn candidates_spec(plan: &FramePlan, search: NeighbourSearch) -> ShaderSpec {
+    let modules = StoreModules::of(plan);
+    let search = match search {
+        NeighbourSearch::Buckets => "passes/features/search_buckets",
+        NeighbourSearch::BruteForce => "passes/features/search_brute_force",
+    };
+    let spec = ShaderSpec::new("passes/features/neighbour_candidates").with(search);
+    modules.normals(modules.keys(modules.layout(spec)))
+}
+
+/// The shader of [`links`].
+pub fn links_spec(plan: &FramePlan) -> ShaderSpec {
+    StoreModules::of(plan).layout(ShaderSpec::new("passes/features/neighbour_links"))
+}
 
 /// Best candidate of every layer in each direction.
 ///
 /// # Errors
 /// [`GpuError`] of the device.
 pub fn candidates(context: &mut Context<'_>, search: NeighbourSearch) -> Result<(), GpuError> {
-    let modules = StoreModules::of(context.plan);
-    let spec = ShaderSpec::new(match search {
-        NeighbourSearch::Buckets => "passes/features/candidates_buckets",
-        NeighbourSearch::BruteForce => "passes/features/candidates_brute_force",
-    });
-    let spec = modules.normals(modules.keys(modules.layout(spec)));
-    context.per_pixel(Pass::NeighbourCandidates, &spec, "main")
+    context.per_pixel(Pass::NeighbourCandidates, &candidates_spec(context.plan, search), "main")
 }
 
 /// Keeps only mutual candidates.
@@ -35,6 +45,5 @@ pub fn candidates(context: &mut Context<'_>, search: NeighbourSearch) -> Result<
 /// # Errors
 /// [`GpuError`] of the device.
 pub fn links(context: &mut Context<'_>) -> Result<(), GpuError> {
-    let spec = StoreModules::of(context.plan).layout(ShaderSpec::new("passes/features/neighbour_links"));
-    context.per_pixel(Pass::NeighbourLinks, &spec, "main")
+    context.per_pixel(Pass::NeighbourLinks, &links_spec(context.plan), "main")
 }

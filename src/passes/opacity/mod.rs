@@ -7,7 +7,7 @@
 use crate::gpu::{Gpu, GpuError, ShaderSpec};
 use crate::passes::store::StoreModules;
 use crate::passes::{Context, TransferParameters};
-use crate::plan::{Opacity, Pass};
+use crate::plan::{FramePlan, Opacity, Pass};
 use crate::transfer::{ColorMode, TransferFunction};
 
 /// The uniform of a transfer function.
@@ -37,14 +37,17 @@ pub fn tables(gpu: &Gpu, transfer: &TransferFunction) -> Result<[wgpu::Buffer; 2
     ])
 }
 
+/// The shader of [`stylize`].
+pub fn spec(plan: &FramePlan) -> ShaderSpec {
+    let modules = StoreModules::of(plan);
+    let root = if plan.opacity == Opacity::Depth { "passes/opacity/depth_only" } else { "passes/opacity/curvature" };
+    modules.keys(modules.layout(ShaderSpec::new(root)))
+}
+
 /// Colour and opacity of every layer.
 ///
 /// # Errors
 /// [`GpuError`] of the device.
 pub fn stylize(context: &mut Context<'_>) -> Result<(), GpuError> {
-    let modules = StoreModules::of(context.plan);
-    let root =
-        if context.plan.opacity == Opacity::Depth { "passes/opacity/depth_only" } else { "passes/opacity/curvature" };
-    let spec = modules.keys(modules.layout(ShaderSpec::new(root)));
-    context.per_pixel(Pass::Stylize, &spec, "main")
+    context.per_pixel(Pass::Stylize, &spec(context.plan), "main")
 }

@@ -1,0 +1,180 @@
+//! Every shader that any plan can ask for, without a GPU.
+//!
+//! The planner itself is asked, over all choices that the settings offer, and each of its passes names its shaders through
+//! the functions that it is drawn with. A variant that is added to a setting or a pass is therefore here without being
+//! written down a second time, and the match over [`Pass`] does not compile while a pass is left out.
+
+use std::collections::HashSet;
+
+use super::capture::{bucketed_k_buffer, buckets, compacted, sort};
+use super::features::{curvature, neighbours};
+use super::geometry::{Vertices, vertex_stages};
+use super::store::StoreModules;
+use super::{composite, opacity, opaque, shade};
+use crate::gpu::ShaderSpec;
+use crate::plan::{self, Capabilities, Capture, FramePlan, Opacity, Pass, ViewStats};
+use crate::scene::{Scene, SceneStats};
+use crate::settings::{
+    CaptureKind, CurvatureUnit, DepthQuantization, KeyFormat, NeighbourSearch, NormalEncoding, OpacityModel, Settings,
+    Tail,
+};
+use crate::transfer::{ColorFunction, TransferFunction, TransferSource};
+
+/// The entry point of compute shaders with one.
+const MAIN: &[&str] = &["main"];
+/// The entry points of geometry passes.
+pub const RASTER: &[&str] = &["vertex_main", "fragment_main"];
+
+/// A shader that a pass compiles.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct PassShader {
+    /// The pass.
+    pub pass: Pass,
+    /// What it is composed of.
+    pub spec: ShaderSpec,
+    /// The entry points that are used.
+    pub entries: &'static [&'static str],
+    /// Whether the plan keeps a tail, which may bind one storage buffer more.
+    pub tail: bool,
+    /// Whether the plan asks the adapter for 64-bit atomics.
+    pub atomics_64: bool,
+}
+
+/// A shader and the entry points that are used.
+type Used = (ShaderSpec, &'static [&'static str]);
+
+fn drawn(vertices: Vertices, fragment: &dyn Fn(ShaderSpec) -> ShaderSpec) -> Vec<Used> {
+    vertex_stages(vertices).into_iter().map(|vertex| (fragment(vertex), RASTER)).collect()
+}
+
+fn sorted(plan: &FramePlan, elements: &'static str, classified: bool) -> Vec<Used> {
+    let modules = StoreModules::of(plan);
+    let longest = match plan.capture {
+        Capture::BucketedKBuffer { k, .. } => k,
+        Capture::Compacted | Capture::None => u32::MAX / 2,
+    };
+    let classes = classified.then(|| (sort::classify_spec(&modules), sort::CLASSIFY_ENTRIES.as_slice()));
+    let sorts = sort::sort_specs(&modules, elements, longest).into_iter().map(|spec| (spec, MAIN));
+    classes.into_iter().chain(sorts).collect()
+}
+
+/// The shaders of a pass in a plan.
+fn shaders_of(plan: &FramePlan, pass: Pass) -> Vec<Used> {
+    let one = |spec| vec![(spec, MAIN)];
+    match pass {
+        Pass::Opaque => drawn(Vertices::Surface, &|v| opaque::spec(plan, v)),
+        Pass::ShowOpaque => one(composite::show_opaque_spec()),
+        Pass::Clear => one(bucketed_k_buffer::clear_spec(plan)),
+        Pass::ZInsertion => drawn(Vertices::Depth, &|v| bucketed_k_buffer::z_insertion_spec(plan, v)),
+        Pass::CountLayers => one(bucketed_k_buffer::count_layers_spec()),
+        Pass::Count => drawn(Vertices::Depth, &compacted::count_spec),
+        Pass::PrefixSum => vec![(compacted::prefix_sum_spec(), &compacted::PREFIX_SUM_ENTRIES)],
+        Pass::Append => drawn(Vertices::Surface, &|v| compacted::append_spec(plan, v)),
+        Pass::Sort => sorted(plan, compacted::SORTED, true),
+        Pass::Gather => one(compacted::gather_spec()),
+        Pass::PartLookup => one(buckets::part_lookup_spec(plan)),
+        Pass::ZReordering => sorted(plan, buckets::SORTED, plan.capture != Capture::Compacted),
+        Pass::BucketCreation => one(buckets::bucket_creation_spec(plan)),
+        Pass::DataStorage => drawn(Vertices::Surface, &|v| bucketed_k_buffer::data_storage_spec(plan, v)),
+        Pass::NeighbourCandidates => {
+            plan.features.iter().map(|f| (neighbours::candidates_spec(plan, f.search), MAIN)).collect()
+        }
+        Pass::NeighbourLinks => one(neighbours::links_spec(plan)),
+        Pass::Curvature => plan.features.iter().map(|f| (curvature::spec(plan, f), MAIN)).collect(),
+        Pass::Shade => one(shade::spec(plan)),
+        Pass::Stylize => one(opacity::spec(plan)),
+        Pass::Blend => one(composite::blend_spec(plan)),
+        Pass::Accumulate => one(composite::accumulate_spec()),
+    }
+}
+
+/// One plan for every combination of choices that a shader can depend on, duplicates left out.
+pub fn all_plans() -> Vec<FramePlan> {
+    let capabilities = Capabilities { max_storage_buffers: 32, atomic_min_64: true, ..Capabilities::default() };
+    let empty = SceneStats::of(&Scene::default());
+    let scenes = [SceneStats { parts: 1, blended_materials: 1, ..empty.clone() }, SceneStats { parts: 9, ..empty }];
+    let opacities = all_opacities();
+    let mut plans: Vec<FramePlan> = Vec::new();
+    let mut seen = HashSet::new();
+    for settings in all_settings() {
+        for opacity in &opacities {
+            for scene in &scenes {
+                let view = ViewStats::default();
+                let Ok(plan) = plan::plan_with(&settings, *opacity, scene, &view, &capabilities, [64, 64]) else {
+                    continue;
+                };
+                let passes: Vec<Pass> = plan.passes.iter().map(|p| p.pass).collect();
+                let key = format!("{:?}", (plan.capture, plan.normals, plan.features, plan.opacity, passes));
+                if seen.insert(key) {
+                    plans.push(plan);
+                }
+            }
+        }
+    }
+    plans
+}
+
+/// What every opacity model makes of transfer functions that vary with curvature, with depth, with nothing.
+fn all_opacities() -> Vec<Opacity> {
+    let constant = TransferFunction::uniform(0.5);
+    let mut colored = constant.clone();
+    colored.color = ColorFunction::uniform([0.9, 0.5, 0.1]);
+    let usual = TransferSource::default().resolve(None).unwrap_or_else(|_| constant.clone());
+    let mut all = Vec::new();
+    for &model in OpacityModel::ALL {
+        let mut settings = Settings::default();
+        settings.opacity.model = model;
+        for transfer in [&usual, &colored, &constant] {
+            let opacity = plan::choose_opacity(&settings, transfer);
+            if !all.contains(&opacity) {
+                all.push(opacity);
+            }
+        }
+    }
+    all
+}
+
+/// The settings of every combination of choices, with the largest k and several samples.
+fn all_settings() -> Vec<Settings> {
+    let mut all = vec![Settings::default()];
+    fn vary<T: Copy>(all: &mut Vec<Settings>, choices: &[T], set: impl Fn(&mut Settings, T)) {
+        let varied = all.iter().flat_map(|settings| {
+            choices.iter().map(|&choice| {
+                let mut settings = settings.clone();
+                set(&mut settings, choice);
+                settings
+            })
+        });
+        *all = varied.collect();
+    }
+    all[0].capture.bucketed_k_buffer.k = 64;
+    all[0].image.samples = 2;
+    vary(&mut all, CaptureKind::ALL, |s, v| s.capture.kind = v);
+    vary(&mut all, NormalEncoding::ALL, |s, v| s.capture.normals = v);
+    vary(&mut all, KeyFormat::ALL, |s, v| s.capture.bucketed_k_buffer.key = v);
+    vary(&mut all, DepthQuantization::ALL, |s, v| s.capture.bucketed_k_buffer.depth = v);
+    vary(&mut all, Tail::ALL, |s, v| s.capture.bucketed_k_buffer.tail = v);
+    vary(&mut all, NeighbourSearch::ALL, |s, v| s.features.neighbours = v);
+    vary(&mut all, CurvatureUnit::ALL, |s, v| s.features.curvature.unit = v);
+    vary(&mut all, &[true, false], |s, v| s.features.reverse_check = v);
+    all
+}
+
+/// Every shader of every plan, each once.
+pub fn all_shaders() -> Vec<PassShader> {
+    let mut all = Vec::new();
+    let mut seen = HashSet::new();
+    for plan in all_plans() {
+        let tail = matches!(plan.capture, Capture::BucketedKBuffer { tail: true, .. });
+        let atomics_64 = matches!(plan.capture, Capture::BucketedKBuffer { key: KeyFormat::Wide64, .. });
+        for planned in &plan.passes {
+            for (spec, entries) in shaders_of(&plan, planned.pass) {
+                let shader = PassShader { pass: planned.pass, spec, entries, tail, atomics_64 };
+                if seen.insert(shader.clone()) {
+                    all.push(shader);
+                }
+            }
+        }
+    }
+    all
+}

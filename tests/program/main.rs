@@ -1,0 +1,7 @@
+//! Tests of the program as a whole: its shaders, its structure, the real binary, real models.
+
+mod commands;
+mod models;
+mod shaders;
+mod structure;
+mod support;
