@@ -2,7 +2,10 @@
 //!
 //! Rooms, in the order of their dependencies; ARCHITECTURE.md is the map.
 
+pub mod cli;
 pub mod export;
+pub mod gpu;
+pub mod import;
 pub mod math;
 pub mod oracle;
 pub mod passes;

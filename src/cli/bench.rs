@@ -99,8 +99,7 @@ fn median(values: &mut [f64]) -> f64 {
 fn median_passes(frames: &[Vec<PassTime>]) -> Vec<PassTime> {
     let Some(first) = frames.first() else { return Vec::new() };
     let of = |pass| {
-        let mut times: Vec<f64> =
-            frames.iter().flatten().filter(|t| t.pass == pass).map(|t| t.milliseconds).collect();
+        let mut times: Vec<f64> = frames.iter().flatten().filter(|t| t.pass == pass).map(|t| t.milliseconds).collect();
         PassTime { pass, milliseconds: median(&mut times) }
     };
     first.iter().map(|t| of(t.pass)).collect()
@@ -192,12 +191,7 @@ fn frame(args: &FrameArgs, progress: &Progress) -> Result<(), Failure> {
         Candidate::new("unsorted blend", &scene, settings_of(&[plain.clone()])?, true)?,
         Candidate::new("compacted, plain", &scene, settings_of(&[compacted.clone(), plain.clone()])?, false)?,
         Candidate::new("compacted, stylized", &scene, settings_of(&[compacted])?, false)?,
-        Candidate::new(
-            "k-buffer, plain",
-            &scene,
-            settings_of(&[kind.clone(), layers.clone(), plain])?,
-            false,
-        )?,
+        Candidate::new("k-buffer, plain", &scene, settings_of(&[kind.clone(), layers.clone(), plain])?, false)?,
         Candidate::new("k-buffer, stylized", &scene, settings_of(&[kind, layers])?, false)?,
     ];
     interleave(&mut candidates, &camera, args.size, args.runs, progress)?;

@@ -140,7 +140,7 @@ fn numbers_that_are_not_finite_and_wrong_images_are_refused() {
 #[test]
 fn the_assets_are_valid_share_their_meshes_and_are_small_enough_to_commit() {
     let folder = tempfile::tempdir().unwrap();
-    let files = builtin::write_assets(&folder.path().join("assets")).unwrap();
+    let files = crate::export::assets::write_assets(&folder.path().join("assets")).unwrap();
     assert_eq!(files.len(), 2);
     for (file, name) in files.iter().zip(["gearbox", "engine"]) {
         assert!(file.ends_with(format!("{name}.glb")));
@@ -151,5 +151,5 @@ fn the_assets_are_valid_share_their_meshes_and_are_small_enough_to_commit() {
         let scene = builtin::build(name).unwrap();
         assert_eq!((count("nodes"), count("meshes")), (scene.nodes.len(), scene.meshes.len()));
     }
-    assert!(matches!(builtin::write_assets(&files[0]), Err(builtin::AssetError::Write { .. })));
+    assert!(matches!(crate::export::assets::write_assets(&files[0]), Err(crate::export::assets::AssetError::Write { .. })));
 }

@@ -1,3 +1,6 @@
-//! Writes what Pellucid has: models.
+//! What leaves the program: pictures and models.
 
+pub mod assets;
 pub mod glb;
+pub mod image;
+pub mod png;

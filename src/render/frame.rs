@@ -247,8 +247,7 @@ pub(super) fn time_unsorted(
     let target = texture(&gpu, "unsorted", plan.size, wgpu::TextureFormat::Rgba16Float, usage);
     bind_settings(renderer, scene, settings, transfer, plan, &image)?;
     let layout = &renderer.shaders.shared.instances;
-    let instances =
-        Arc::new(scene.instances(&gpu, layout, &camera.view_from_world(), renderer.draw_order)?);
+    let instances = Arc::new(scene.instances(&gpu, layout, &camera.view_from_world(), renderer.draw_order)?);
     let frustum = camera.frustum(&scene.stats.bounds);
     let view = View { scene, camera, frustum, jitter: DVec2::ZERO, instances };
     let height = plan.size[1];
