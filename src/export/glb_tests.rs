@@ -151,5 +151,8 @@ fn the_assets_are_valid_share_their_meshes_and_are_small_enough_to_commit() {
         let scene = builtin::build(name).unwrap();
         assert_eq!((count("nodes"), count("meshes")), (scene.nodes.len(), scene.meshes.len()));
     }
-    assert!(matches!(crate::export::assets::write_assets(&files[0]), Err(crate::export::assets::AssetError::Write { .. })));
+    assert!(matches!(
+        crate::export::assets::write_assets(&files[0]),
+        Err(crate::export::assets::AssetError::Write { .. })
+    ));
 }

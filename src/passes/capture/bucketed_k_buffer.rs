@@ -22,6 +22,7 @@ use crate::passes::Context;
 use crate::passes::geometry::{GpuScene, Vertices, draw};
 use crate::passes::store::{StoreModules, packed_depth};
 use crate::plan::{Capture, FramePlan, Opacity, Pass};
+use crate::settings::SlotSearch;
 
 const TAIL_NONE: &str = "passes/capture/bucketed_k_buffer/tail_none";
 const TAIL_AVERAGE: &str = "passes/capture/bucketed_k_buffer/tail_average";
@@ -64,17 +65,24 @@ pub fn data_storage_spec(plan: &FramePlan, vertex: ShaderSpec) -> ShaderSpec {
     } else {
         "passes/capture/bucketed_k_buffer/search_key_packed32"
     };
-    let slot = if plan.runs(Pass::BucketCreation) {
-        "passes/capture/bucketed_k_buffer/slot_by_bucket"
+    let slot = match plan.capture {
+        Capture::BucketedKBuffer { slot_search: SlotSearch::Bucket, .. } => {
+            "passes/capture/bucketed_k_buffer/slot_by_bucket"
+        }
+        _ => "passes/capture/bucketed_k_buffer/slot_by_depth",
+    };
+    // Where buckets come first, the part column is there already.
+    let part = if plan.features.is_some() && !plan.runs(Pass::PartLookup) {
+        "passes/capture/bucketed_k_buffer/part_stored"
     } else {
-        "passes/capture/bucketed_k_buffer/slot_by_depth"
+        "passes/capture/bucketed_k_buffer/part_not_stored"
     };
     let tail: &[&'static str] = match (plan.capture, plan.opacity) {
         (Capture::BucketedKBuffer { tail: false, .. } | Capture::Compacted | Capture::None, _) => &[TAIL_NONE],
         (_, Opacity::Constant { .. }) => &[TAIL_AVERAGE, "passes/capture/bucketed_k_buffer/tail_constant"],
         (_, Opacity::Depth | Opacity::Curvature) => &[TAIL_AVERAGE, "passes/capture/bucketed_k_buffer/tail_transfer"],
     };
-    let spec = vertex.with("passes/capture/bucketed_k_buffer/data_storage").with(key).with(slot);
+    let spec = vertex.with("passes/capture/bucketed_k_buffer/data_storage").with(key).with(slot).with(part);
     let spec = tail.iter().fold(spec, |spec, module| spec.with(module));
     with_packed_depth(modules.colors(modules.normals(spec)), plan.capture)
 }
