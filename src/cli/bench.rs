@@ -1,9 +1,18 @@
-//! `pellucid bench`: the command line of the measurements.
+//! `pellucid bench`: what things cost, as ratios measured in one run, interleaved, medians.
 
 use clap::{Args, Subcommand};
+use serde::Serialize;
 
+use super::camera::CameraArgs;
 use super::failure::{Exit, Failure};
 use super::options::size;
+use super::output::Progress;
+use super::render::Session;
+use crate::gpu::PassTime;
+use crate::math::Camera;
+use crate::plan::Pass;
+use crate::scene::Scene;
+use crate::settings::Settings;
 
 /// What is measured.
 #[derive(Subcommand, Clone, Debug)]
@@ -36,6 +45,9 @@ pub struct BucketsArgs {
 pub struct FrameArgs {
     /// A model, or builtin:NAME
     pub file: String,
+    /// From where it is looked at
+    #[command(flatten)]
+    pub camera: CameraArgs,
     /// Picture size in pixels
     #[arg(long, value_name = "WxH", value_parser = size, default_value = "1000x1000")]
     pub size: [u32; 2],
@@ -53,11 +65,209 @@ pub struct FrameArgs {
 /// Runs a measurement.
 ///
 /// # Errors
-/// Always: the measurements are not part of this build.
-pub fn run(command: &BenchCommand) -> Result<(), Failure> {
-    let name = match command {
-        BenchCommand::Buckets(_) => "buckets",
-        BenchCommand::Frame(_) => "frame",
+/// [`Failure`] of the adapter, the file or the renderer.
+pub fn run(command: &BenchCommand, progress: &Progress) -> Result<(), Failure> {
+    match command {
+        BenchCommand::Buckets(args) => buckets(args, progress),
+        BenchCommand::Frame(args) => frame(args, progress),
+    }
+}
+
+/// One line of a result.
+#[derive(Serialize)]
+struct Row {
+    /// What was measured.
+    name: String,
+    /// Median of the whole frame, wall time.
+    milliseconds: f64,
+    /// That over the row that counts as 1.
+    ratio: f64,
+    /// Median of each pass.
+    passes: Vec<PassTime>,
+}
+
+fn median(values: &mut [f64]) -> f64 {
+    values.sort_by(f64::total_cmp);
+    match values.len() {
+        0 => f64::NAN,
+        n if n % 2 == 1 => values[n / 2],
+        n => 0.5 * (values[n / 2 - 1] + values[n / 2]),
+    }
+}
+
+/// Medians of each pass over several frames.
+fn median_passes(frames: &[Vec<PassTime>]) -> Vec<PassTime> {
+    let Some(first) = frames.first() else { return Vec::new() };
+    let of = |pass| {
+        let mut times: Vec<f64> = frames.iter().flatten().filter(|t| t.pass == pass).map(|t| t.milliseconds).collect();
+        PassTime { pass, milliseconds: median(&mut times) }
     };
-    Err(Failure::new(Exit::General, format!("bench {name}: not part of this build")))
+    first.iter().map(|t| of(t.pass)).collect()
+}
+
+/// One thing that is measured, with a renderer of its own, so that no buffers are made anew between frames.
+struct Candidate {
+    name: String,
+    session: Session,
+    settings: Settings,
+    unsorted: bool,
+    whole: Vec<f64>,
+    passes: Vec<Vec<PassTime>>,
+}
+
+impl Candidate {
+    fn new(name: &str, scene: &Scene, settings: Settings, unsorted: bool) -> Result<Candidate, Failure> {
+        let session = Session::open(scene)?;
+        Ok(Candidate { name: name.to_owned(), session, settings, unsorted, whole: Vec::new(), passes: Vec::new() })
+    }
+
+    /// Draws once; `counted` frames add to the result, `by_pass` frames give the times of the passes.
+    fn run(&mut self, camera: &Camera, size: [u32; 2], counted: bool, by_pass: bool) -> Result<(), Failure> {
+        if self.unsorted {
+            if !by_pass {
+                let time = self.session.time_unsorted(camera, &self.settings, size)?;
+                if counted {
+                    self.whole.push(time);
+                }
+            }
+            return Ok(());
+        }
+        self.session.time_serially(by_pass);
+        let report = self.session.render(camera, &self.settings, size)?.report;
+        match (counted, by_pass) {
+            (true, false) => self.whole.push(report.milliseconds),
+            (true, true) => self.passes.push(report.passes),
+            (false, _) => {}
+        }
+        Ok(())
+    }
+
+    fn row(mut self, one: f64) -> Row {
+        let milliseconds = median(&mut self.whole);
+        Row { ratio: milliseconds / one, milliseconds, passes: median_passes(&self.passes), name: self.name }
+    }
+}
+
+/// Draws all candidates in turn: two warm-up rounds, then `runs` of whole frames, then `runs` pass by pass.
+fn interleave(
+    candidates: &mut [Candidate],
+    camera: &Camera,
+    size: [u32; 2],
+    runs: u32,
+    progress: &Progress,
+) -> Result<(), Failure> {
+    for round in 0..2 + 2 * runs {
+        progress.stage(&format!("round {} of {}", round + 1, 2 + 2 * runs));
+        for candidate in candidates.iter_mut() {
+            candidate.run(camera, size, round >= 2, round >= 2 + runs)?;
+        }
+    }
+    Ok(())
+}
+
+fn settings_of(changes: &[(&str, String)]) -> Result<Settings, Failure> {
+    let mut settings = Settings::default();
+    for (path, value) in changes {
+        settings.set(path, value).map_err(|e| Failure::of(Exit::General, &e))?;
+    }
+    Ok(settings)
+}
+
+fn print_rows<T: Serialize>(rows: &T, text: &str, json: bool) -> Result<(), Failure> {
+    let text = if json { super::output::json(rows)? } else { text.to_owned() };
+    super::output::print(text.as_bytes())
+}
+
+/// The paper's Figure 9 question for any model: what does stylization cost, and what does being exact cost?
+fn frame(args: &FrameArgs, progress: &Progress) -> Result<(), Failure> {
+    let scene = super::load::scene(&args.file, progress)?;
+    let camera = args.camera.camera(&scene, f64::from(args.size[0]) / f64::from(args.size[1]))?;
+    let k = args.k.to_string();
+    let compacted = ("capture.kind", "compacted".to_owned());
+    let bkb = [("capture.kind", "bucketed_k_buffer".to_owned()), ("capture.bucketed_k_buffer.k", k)];
+    let plain = ("opacity.model", "constant".to_owned());
+    let [kind, layers] = bkb;
+    let mut candidates = vec![
+        Candidate::new("unsorted blend", &scene, settings_of(&[plain.clone()])?, true)?,
+        Candidate::new("compacted, plain", &scene, settings_of(&[compacted.clone(), plain.clone()])?, false)?,
+        Candidate::new("compacted, stylized", &scene, settings_of(&[compacted])?, false)?,
+        Candidate::new("k-buffer, plain", &scene, settings_of(&[kind.clone(), layers.clone(), plain])?, false)?,
+        Candidate::new("k-buffer, stylized", &scene, settings_of(&[kind, layers])?, false)?,
+    ];
+    interleave(&mut candidates, &camera, args.size, args.runs, progress)?;
+    let one = median(&mut candidates[0].whole);
+    let rows: Vec<Row> = candidates.into_iter().map(|c| c.row(one)).collect();
+    let mut text = format!(
+        "{} at {}x{}, k = {}, medians of {} interleaved frames; passes: each run alone, wall time\n",
+        args.file, args.size[0], args.size[1], args.k, args.runs
+    );
+    for row in &rows {
+        text += &format!("{:<22}{:>9.1} ms  {:>6.2} x unsorted\n", row.name, row.milliseconds, row.ratio);
+        for time in &row.passes {
+            text += &format!("    {:<22}{:>9.2} ms\n", time.pass.name(), time.milliseconds);
+        }
+    }
+    let over = |a: usize, b: usize| rows[a].milliseconds / rows[b].milliseconds;
+    text += &format!("k-buffer: stylized over plain {:.2}; compacted: {:.2}\n", over(4, 3), over(2, 1));
+    print_rows(&rows, &text, args.json)
+}
+
+/// One number of parts of the synthetic test.
+#[derive(Serialize)]
+struct BucketsRow {
+    parts: u32,
+    /// Neighbour search and curvature, milliseconds.
+    buckets: f64,
+    brute_force: f64,
+    ratio: f64,
+    /// Z reordering and bucket creation, which the search by buckets needs besides, milliseconds.
+    making_buckets: f64,
+}
+
+/// The paper's Figure 10: stacked full-screen quads with random part ids.
+fn buckets(args: &BucketsArgs, progress: &Progress) -> Result<(), Failure> {
+    let mut rows = Vec::new();
+    for parts in [1, 2, 4, 6, 8, 16, 32].into_iter().filter(|&p| p <= args.layers) {
+        progress.stage(&format!("{parts} parts"));
+        let name = format!("builtin:quads?layers={}&parts={parts}", args.layers);
+        let scene = super::load::scene(&name, progress)?;
+        let front = CameraArgs { camera: Some("0".to_owned()), ..CameraArgs::default() };
+        let camera = front.camera(&scene, 1.0)?;
+        let with = |search: &str| {
+            settings_of(&[
+                ("capture.kind", "bucketed_k_buffer".to_owned()),
+                ("capture.bucketed_k_buffer.k", args.layers.to_string()),
+                ("features.neighbours", search.to_owned()),
+            ])
+        };
+        let mut candidates = vec![
+            Candidate::new("buckets", &scene, with("buckets")?, false)?,
+            Candidate::new("brute force", &scene, with("brute_force")?, false)?,
+        ];
+        for round in 0..1 + args.runs {
+            for candidate in &mut candidates {
+                candidate.run(&camera, args.size, round >= 1, true)?;
+            }
+        }
+        let time = |candidate: &Candidate, passes: &[Pass]| -> f64 {
+            let medians = median_passes(&candidate.passes);
+            medians.iter().filter(|t| passes.contains(&t.pass)).map(|t| t.milliseconds).sum()
+        };
+        let features = [Pass::NeighbourCandidates, Pass::NeighbourLinks, Pass::Curvature];
+        let (a, b) = (time(&candidates[0], &features), time(&candidates[1], &features));
+        let making_buckets = time(&candidates[0], &[Pass::ZReordering, Pass::BucketCreation]);
+        rows.push(BucketsRow { parts, buckets: a, brute_force: b, ratio: a / b, making_buckets });
+    }
+    let mut text = format!(
+        "{} full-screen quads at {}x{}, neighbour search and curvature, medians of {} interleaved frames\n\
+         parts    buckets  brute force   ratio   making buckets\n",
+        args.layers, args.size[0], args.size[1], args.runs
+    );
+    for r in &rows {
+        text += &format!(
+            "{:>5}{:>8.1} ms{:>10.1} ms{:>8.3}{:>12.1} ms\n",
+            r.parts, r.buckets, r.brute_force, r.ratio, r.making_buckets
+        );
+    }
+    print_rows(&rows, &text, args.json)
 }

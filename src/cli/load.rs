@@ -4,9 +4,9 @@ use std::path::Path;
 
 use super::failure::{Exit, Failure};
 use super::output::Progress;
+use crate::export::assets;
 use crate::import;
-use crate::scene::builtin;
-use crate::scene::{NoticeKind, Scene};
+use crate::scene::{NoticeKind, Scene, builtin};
 
 /// In front of the name of a generated scene.
 const BUILTIN: &str = "builtin:";
@@ -18,10 +18,7 @@ const BUILTIN: &str = "builtin:";
 pub fn scene(file: &str, progress: &Progress) -> Result<Scene, Failure> {
     progress.stage(&format!("reading {file}"));
     let scene = match file.strip_prefix(BUILTIN) {
-        Some(name) => builtin::build(name).ok_or_else(|| {
-            let names = builtin::names().join(", ");
-            Failure::new(Exit::Usage, format!("{file}: no built-in scene has this name; there are {names}"))
-        })?,
+        Some(name) => builtin::build(name).map_err(|e| Failure::of(Exit::Usage, &e))?,
         None => import::load(Path::new(file)).map_err(|e| Failure::about(Exit::Input, file, &e))?,
     };
     for notice in &scene.notices {
@@ -35,8 +32,9 @@ pub fn scene(file: &str, progress: &Progress) -> Result<Scene, Failure> {
 /// # Errors
 /// [`Exit::General`] if a file cannot be written.
 pub fn write_assets(folder: &Path) -> Result<(), Failure> {
-    let _ = folder;
-    Ok(())
+    let written = assets::write_assets(folder).map_err(|e| Failure::of(Exit::General, &e))?;
+    let lines: String = written.iter().map(|path| format!("{}\n", path.display())).collect();
+    super::output::print(lines.as_bytes())
 }
 
 /// A word for a kind of notice.

@@ -93,7 +93,7 @@ fn run(command: Command) -> Result<(), Failure> {
         Command::Settings { toml } => output::print(settings(toml)?.as_bytes()),
         Command::Presets => output::print(presets().as_bytes()),
         Command::Assets { folder } => load::write_assets(&folder),
-        Command::Bench { what } => bench::run(&what),
+        Command::Bench { what } => bench::run(&what, &Progress::new()),
     }
 }
 

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::failure::{Exit, Failure, printable};
 use super::output::grouped;
-use crate::gpu::{AdapterFacts, Gpu, GpuError, GpuOptions};
+use crate::gpu::{AdapterFacts, Gpu, GpuError, GpuOptions, Timing};
 use crate::math::Camera;
 use crate::plan::{Capture, FramePlan};
 use crate::render::{Frame, FrameReport, GpuScene, RenderError, Renderer};
@@ -35,6 +35,19 @@ impl Session {
     /// [`Exit::Limits`] if the planner refuses, [`Exit::General`] otherwise.
     pub fn render(&mut self, camera: &Camera, settings: &Settings, size: [u32; 2]) -> Result<Frame, Failure> {
         self.renderer.render(&self.scene, camera, settings, size).map_err(failed)
+    }
+
+    /// Milliseconds of the same picture blended without order.
+    ///
+    /// # Errors
+    /// As [`Session::render`].
+    pub fn time_unsorted(&mut self, camera: &Camera, settings: &Settings, size: [u32; 2]) -> Result<f64, Failure> {
+        self.renderer.time_unsorted(&self.scene, camera, settings, size).map_err(failed)
+    }
+
+    /// Whether each pass is run alone and timed by the wall clock; otherwise by timestamps on the GPU.
+    pub fn time_serially(&mut self, serially: bool) {
+        self.renderer.timing = if serially { Timing::Serial } else { Timing::Timestamps };
     }
 
     /// Plans a picture without rendering it.

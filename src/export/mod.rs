@@ -1,4 +1,6 @@
-//! What leaves the program: pictures and files.
+//! What leaves the program: pictures and models.
 
+pub mod assets;
+pub mod glb;
 pub mod image;
 pub mod png;

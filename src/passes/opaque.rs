@@ -4,7 +4,7 @@
 
 use crate::gpu::{GpuError, ShaderSpec};
 use crate::passes::Context;
-use crate::passes::geometry::{GpuScene, draw_opaque};
+use crate::passes::geometry::{GpuScene, draw_opaque, draw_unsorted};
 use crate::passes::store::StoreModules;
 use crate::plan::FramePlan;
 
@@ -25,4 +25,12 @@ pub fn opaque(
 ) -> Result<(), GpuError> {
     let plan = context.plan;
     draw_opaque(context, scene, target, depth, &|vertex| spec(plan, vertex))
+}
+
+/// Blends every fragment as it comes into `target` (Rgba16Float): the lower bound that benchmarks compare with.
+///
+/// # Errors
+/// [`GpuError`] of the device.
+pub fn unsorted(context: &mut Context<'_>, scene: &GpuScene, target: &wgpu::TextureView) -> Result<(), GpuError> {
+    draw_unsorted(context, scene, target, &|spec| spec.with("passes/unsorted"))
 }

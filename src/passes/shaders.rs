@@ -16,7 +16,7 @@ use crate::plan::{self, Capabilities, Capture, FramePlan, Opacity, Pass, ViewSta
 use crate::scene::{Scene, SceneStats};
 use crate::settings::{
     CaptureKind, CurvatureUnit, DepthQuantization, KeyFormat, NeighbourSearch, NormalEncoding, OpacityModel, Settings,
-    Tail,
+    SlotSearch, Tail,
 };
 use crate::transfer::{ColorFunction, TransferFunction, TransferSource};
 
@@ -153,6 +153,7 @@ fn all_settings() -> Vec<Settings> {
     vary(&mut all, NormalEncoding::ALL, |s, v| s.capture.normals = v);
     vary(&mut all, KeyFormat::ALL, |s, v| s.capture.bucketed_k_buffer.key = v);
     vary(&mut all, DepthQuantization::ALL, |s, v| s.capture.bucketed_k_buffer.depth = v);
+    vary(&mut all, SlotSearch::ALL, |s, v| s.capture.bucketed_k_buffer.slot_search = v);
     vary(&mut all, Tail::ALL, |s, v| s.capture.bucketed_k_buffer.tail = v);
     vary(&mut all, NeighbourSearch::ALL, |s, v| s.features.neighbours = v);
     vary(&mut all, CurvatureUnit::ALL, |s, v| s.features.curvature.unit = v);

@@ -60,7 +60,7 @@ fn columns(plan: &FramePlan) -> Vec<(&'static str, u64)> {
             ("sources", 4),
         ]);
     }
-    if plan.runs(Pass::PartLookup) {
+    if plan.features.is_some() || plan.runs(Pass::PartLookup) {
         all.push(("parts", 4));
     }
     if plan.runs(Pass::ZReordering) {

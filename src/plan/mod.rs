@@ -19,7 +19,7 @@ use crate::math::Camera;
 use crate::scene::SceneStats;
 use crate::settings::{
     CaptureKind, CurvatureUnit, DepthQuantization, KeyFormat, NeighbourSearch, NormalEncoding, OpacityModel, Settings,
-    Tail,
+    SlotSearch, Tail,
 };
 use crate::transfer::TransferFunction;
 
@@ -210,6 +210,8 @@ pub enum Capture {
         depth: DepthQuantization,
         /// Whether the tail is kept.
         tail: bool,
+        /// How data storage finds slots.
+        slot_search: SlotSearch,
     },
     /// Every layer.
     Compacted,
@@ -427,7 +429,13 @@ fn choose_capture(settings: &Settings, scene: &SceneStats, capabilities: &Capabi
                 // Shape id 65535 with depth 65535 would be the empty slot; depth stops at 65534, so every id is legal.
                 KeyFormat::Packed32 if scene.parts > 65_535 => Err(Refusal::TooManyParts { parts: scene.parts }),
                 KeyFormat::Wide64 if !capabilities.atomic_min_64 => Err(Refusal::NoAtomics64),
-                key => Ok(Capture::BucketedKBuffer { k: s.k, key, depth: s.depth, tail: s.tail == Tail::Average }),
+                key => Ok(Capture::BucketedKBuffer {
+                    k: s.k,
+                    key,
+                    depth: s.depth,
+                    tail: s.tail == Tail::Average,
+                    slot_search: s.slot_search,
+                }),
             }
         }
     }
@@ -486,23 +494,29 @@ fn plan_layers(
     let buckets = features.is_some_and(|f| f.search == NeighbourSearch::Buckets);
     let bucket_passes = |draft: &mut Draft| {
         draft.run(Pass::ZReordering, "buckets group a pixel's layers by part");
-        draft.run(Pass::BucketCreation, "the neighbour search reads only the bucket of the same part");
+        draft.run(Pass::BucketCreation, "searches read only the bucket of the same part");
     };
     match capture {
         Capture::None => {}
-        Capture::BucketedKBuffer { k, .. } => {
+        Capture::BucketedKBuffer { k, slot_search, .. } => {
             draft.run(Pass::Clear, "the rows hold the last frame");
             draft.run(Pass::ZInsertion, format!("{transparent}: the {k} nearest of each pixel are kept"));
             draft.run(Pass::CountLayers, "what was stored, merged and dropped is reported");
-            if features.is_some() {
-                draft.run(Pass::PartLookup, "neighbours belong to the same part");
+            let by_bucket = slot_search == SlotSearch::Bucket;
+            if !by_bucket {
+                draft.run(Pass::DataStorage, "the surfaces of the stored keys, found by depth");
             }
-            if buckets {
+            if by_bucket {
+                draft.run(Pass::PartLookup, "buckets group layers by part");
+            }
+            if buckets || by_bucket {
                 bucket_passes(draft);
             } else {
                 draft.skip("z reordering, bucket creation", "nothing searches by part");
             }
-            draft.run(Pass::DataStorage, "the surfaces of the stored keys");
+            if by_bucket {
+                draft.run(Pass::DataStorage, "the surfaces of the stored keys, found by bucket and depth");
+            }
         }
         Capture::Compacted => {
             draft.run(Pass::Count, format!("{transparent}: every layer is kept"));

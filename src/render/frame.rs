@@ -191,8 +191,14 @@ pub(super) fn draw(
                     bucketed_k_buffer::clear(&mut context)?;
                     bucketed_k_buffer::z_insertion(&mut context, scene)?;
                     bucketed_k_buffer::count_layers(&mut context)?;
+                    let found_by_bucket = plan.runs(Pass::PartLookup);
+                    if !found_by_bucket {
+                        bucketed_k_buffer::data_storage(&mut context, scene)?;
+                    }
                     bucket_passes(&mut context)?;
-                    bucketed_k_buffer::data_storage(&mut context, scene)?;
+                    if found_by_bucket {
+                        bucketed_k_buffer::data_storage(&mut context, scene)?;
+                    }
                     finish_layers(&mut context)?;
                     work.finish(&mut tally)?;
                 }
@@ -224,6 +230,36 @@ pub(super) fn draw(
     };
     let [width, height] = report.plan.size;
     Ok(Frame { image: LinearImage { width, height, pixels }, report })
+}
+
+/// Milliseconds of a frame in which every fragment is lit and blended as it comes, without any order.
+pub(super) fn time_unsorted(
+    renderer: &mut Renderer,
+    scene: &GpuScene,
+    camera: &Camera,
+    settings: &Settings,
+    transfer: &TransferFunction,
+    plan: &FramePlan,
+) -> Result<f64, RenderError> {
+    let begin = Instant::now();
+    let gpu = renderer.gpu.clone();
+    let targets = Targets::ensure(&mut renderer.targets, &gpu, plan)?;
+    let (image, blank) = (targets.image.clone(), targets.blank.clone());
+    let usage = wgpu::TextureUsages::RENDER_ATTACHMENT;
+    let target = texture(&gpu, "unsorted", plan.size, wgpu::TextureFormat::Rgba16Float, usage);
+    bind_settings(renderer, scene, settings, transfer, plan, &image)?;
+    let layout = &renderer.shaders.shared.instances;
+    let instances = Arc::new(scene.instances(&gpu, layout, &camera.view_from_world(), renderer.draw_order)?);
+    let frustum = camera.frustum(&scene.stats.bounds);
+    let view = View { scene, camera, frustum, jitter: DVec2::ZERO, instances };
+    let height = plan.size[1];
+    let whole = Band { first_row: 0, end_row: height, first_output_row: 0, end_output_row: height };
+    let mut work = Work::new(renderer, plan, &view, whole, &blank)?;
+    opaque::unsorted(&mut work.context(), scene, &target.create_view(&Default::default()))?;
+    work.submit_times(&mut Tally::default())?;
+    // What a frame of ours reads back, this one reads back too.
+    gpu.read_image(&image)?;
+    Ok(begin.elapsed().as_secs_f64() * 1e3)
 }
 
 /// Captures all layers: counts, cuts bands that fit, and draws each.
@@ -478,9 +514,9 @@ fn bind_settings(
     };
     let tail = matches!(plan.capture, Capture::BucketedKBuffer { tail: true, .. });
     if plan.runs(Pass::Stylize) || tail {
-        let [color, alpha] = opacity::tables(&gpu, transfer);
-        resources.set("color_table", Resource::Texture(color));
-        resources.set("opacity_table", Resource::Texture(alpha));
+        let [color, alpha] = opacity::tables(&gpu, transfer)?;
+        resources.set("color_table", Resource::Buffer(color));
+        resources.set("opacity_table", Resource::Buffer(alpha));
         let parameters = opacity::parameters(transfer, settings.opacity.gain, constant);
         resources.set("transfer", Resource::Buffer(gpu.uniform("transfer", &parameters)?));
     }

@@ -11,7 +11,7 @@ use crate::passes::capture::LayerCounts;
 pub use crate::passes::geometry::{DrawOrder, GpuScene};
 use crate::plan::{self, FramePlan, Refusal, ViewStats};
 use crate::scene::Scene;
-use crate::settings::Settings;
+use crate::settings::{OpacityModel, Settings};
 use crate::transfer::{TransferError, TransferFunction};
 
 pub use readback::{PixelBuckets, StoreReadback};
@@ -172,5 +172,29 @@ impl Renderer {
         let view = ViewStats::of(camera);
         let plan = plan::plan(settings, transfer, &scene.stats, &view, self.gpu.capabilities(), size)?;
         frame::draw(self, scene, camera, settings, transfer, plan)
+    }
+
+    /// Wall time, in milliseconds, of the same picture with every fragment lit and blended as it comes: the lower bound of
+    /// what transparency can cost, and a wrong picture. For benchmarks; nothing is returned but the time.
+    ///
+    /// # Errors
+    /// [`RenderError`] says what was refused or failed.
+    pub fn time_unsorted(
+        &mut self,
+        scene: &GpuScene,
+        camera: &Camera,
+        settings: &Settings,
+        size: [u32; 2],
+    ) -> Result<f64, RenderError> {
+        let mut settings = settings.clone();
+        settings.opacity.model = OpacityModel::Constant;
+        let transfer = settings.opacity.transfer.resolve(None)?;
+        let view = ViewStats::of(camera);
+        let mut plan = plan::plan(&settings, &transfer, &scene.stats, &view, self.gpu.capabilities(), size)?;
+        // It captures nothing: only what the lights and the blend need is bound.
+        plan.capture = plan::Capture::None;
+        plan.passes.clear();
+        plan.buffers.clear();
+        frame::time_unsorted(self, scene, camera, &settings, &transfer, &plan)
     }
 }

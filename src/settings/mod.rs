@@ -72,6 +72,17 @@ choice! {
 }
 
 choice! {
+    /// How the second geometry pass finds the slot of a fragment.
+    pub enum SlotSearch {
+        /// Binary search in the depth-ordered row.
+        #[default]
+        Depth = "depth",
+        /// The paper's: the bucket of the shape by hashing, then binary search in it.
+        Bucket = "bucket",
+    }
+}
+
+choice! {
     /// How the neighbours of a fragment are searched.
     pub enum NeighbourSearch {
         /// Only the bucket of the same part is read.
@@ -130,6 +141,8 @@ settings! {
         pub key: KeyFormat = KeyFormat::Wide64, Range::Choice(KeyFormat::NAMES);
         /// Depth in the packed key. The wide key always holds 32-bit reversed depth.
         pub depth: DepthQuantization = DepthQuantization::Linear, Range::Choice(DepthQuantization::NAMES);
+        /// How data storage finds the slot of a fragment. Both give the same answer.
+        pub slot_search: SlotSearch = SlotSearch::Depth, Range::Choice(SlotSearch::NAMES);
         /// What becomes of the layers behind the k nearest.
         pub tail: Tail = Tail::None, Range::Choice(Tail::NAMES);
     }
@@ -157,7 +170,7 @@ settings! {
         /// Sensitivity: κ = tanh(scale · unit · (κ₁ + κ₂)).
         pub scale: f64 = 0.03, Range::Real(0.0, 1000.0);
         /// Radius over which curvature is estimated, as a fraction of the image's shorter side. 0 uses the next pixels only.
-        pub radius: f64 = 0.003, Range::Real(0.0, 0.05);
+        pub radius: f64 = 0.002, Range::Real(0.0, 0.05);
         /// Angle in degrees between neighbouring normals beyond which an edge is sharp: estimation does not reach across.
         pub crease_angle: f64 = 25.0, Range::Real(0.0, 180.0);
         /// Width of rims and creases, as a fraction of the image's shorter side.

@@ -47,11 +47,13 @@ struct Axis {
     point_s: vec3<f32>,
 }
 
-// The nearest line met: distance in steps (0 for none) and, for a crease, its signed angle (convex negative).
+// The nearest lines met: distance in steps (0 for none) and, for a crease, the difference of the normals and which way it
+// bends. Angles are computed once at the end, because a CPU rasterizer executes branches that no lane takes.
 struct Lines {
     rim: u32,
     crease: u32,
-    crease_angle: f32,
+    turn: vec3<f32>,
+    convex: bool,
 }
 
 // Steps in x and y of a direction.
@@ -88,11 +90,9 @@ fn walk(start: Fragment, x: u32, y: u32, slot: u32, direction: u32, axis: ptr<fu
         if cosine < curvature_parameters.crease_cosine {
             if (*lines).crease == 0u || distance < (*lines).crease {
                 let turn = next.normal - last.normal;
-                // Angle from the chord: accurate where acos is not.
-                let angle = 2.0 * asin(min(0.5 * length(turn), 1.0));
-                let convex = dot(turn, next.point - last.point) > 0.0;
                 (*lines).crease = distance;
-                (*lines).crease_angle = select(angle, -angle, convex);
+                (*lines).turn = turn;
+                (*lines).convex = dot(turn, next.point - last.point) > 0.0;
             }
             return;
         }
@@ -197,7 +197,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     for (var layer = 0u; layer < count; layer++) {
         let slot = base + layer;
         let start = fragment_at(id.x, y, slot);
-        var lines = Lines(0u, 0u, 0.0);
+        var lines = Lines(0u, 0u, vec3<f32>(0.0), false);
         var u = Axis(1.0, 0.0, 0.0, vec3<f32>(0.0), vec3<f32>(0.0), vec3<f32>(0.0), vec3<f32>(0.0));
         var v = u;
         walk(start, id.x, y, slot, 0u, &u, &lines);
@@ -208,7 +208,11 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         let scale = curvature_scale(slot);
         var kappa = saturate(-scale * curvature_sum(start, u, v, size));
         if lines.crease != 0u {
-            let strength = saturate(scale * lines.crease_angle / (curvature_parameters.line * size.y));
+            // From the chord: accurate where the arc cosine is not.
+            let angle = 2.0 * asin(min(0.5 * length(lines.turn), 1.0));
+            let strength = saturate(
+                scale * select(angle, -angle, lines.convex) / (curvature_parameters.line * size.y),
+            );
             let coverage = clamp(0.5 * curvature_parameters.line + 0.5 - f32(lines.crease - 1u), 0.0, 1.0);
             kappa = mix(kappa, strength, coverage);
         }

@@ -1,8 +1,8 @@
-// Transfer functions as tables (Murray 2016, section 5.2): colour over kappa, opacity over (depth, |kappa|). Filtered here,
-// by hand, because samplers keep only 8 bits of the position between two entries.
+// Transfer functions as tables (Murray 2016, section 5.2): colour over kappa (256 entries), opacity over (depth, |kappa|)
+// (256 x 256), linear between entries. Buffers, not textures: samplers keep only 8 bits of the position between two texels.
 
-@group(1) @binding(15) var color_table: texture_2d<f32>;
-@group(1) @binding(16) var opacity_table: texture_2d<f32>;
+@group(1) @binding(15) var<storage, read> color_table: array<vec4<f32>>;
+@group(1) @binding(16) var<storage, read> opacity_table: array<f32>;
 
 struct TransferParameters {
     // 0 tint, 1 multiply.
@@ -18,8 +18,8 @@ struct TransferParameters {
 fn color_of_kappa(kappa: f32) -> vec3<f32> {
     let at = clamp(kappa * 0.5 + 0.5, 0.0, 1.0) * 255.0;
     let low = min(u32(at), 254u);
-    let a = textureLoad(color_table, vec2<u32>(low, 0u), 0).rgb;
-    let b = textureLoad(color_table, vec2<u32>(low + 1u, 0u), 0).rgb;
+    let a = color_table[low].rgb;
+    let b = color_table[low + 1u].rgb;
     return mix(a, b, at - f32(low));
 }
 
@@ -27,10 +27,11 @@ fn opacity_of(depth01: f32, kappa: f32) -> f32 {
     let at = clamp(vec2<f32>(depth01, abs(kappa)), vec2<f32>(0.0), vec2<f32>(1.0)) * 255.0;
     let low = min(vec2<u32>(at), vec2<u32>(254u));
     let t = at - vec2<f32>(low);
-    let a = textureLoad(opacity_table, low, 0).r;
-    let b = textureLoad(opacity_table, low + vec2<u32>(1u, 0u), 0).r;
-    let c = textureLoad(opacity_table, low + vec2<u32>(0u, 1u), 0).r;
-    let d = textureLoad(opacity_table, low + vec2<u32>(1u, 1u), 0).r;
+    let entry = low.y * 256u + low.x;
+    let a = opacity_table[entry];
+    let b = opacity_table[entry + 1u];
+    let c = opacity_table[entry + 256u];
+    let d = opacity_table[entry + 257u];
     return clamp(transfer.gain * mix(mix(a, b, t.x), mix(c, d, t.x), t.y), 0.0, 1.0);
 }
 

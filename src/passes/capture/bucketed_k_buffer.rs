@@ -2,14 +2,15 @@
 //!
 //! The paper's four steps, each a pass: Z insertion (a geometry pass with a chain of atomic minima), Z reordering by shape id,
 //! bucket creation, data storage (a second geometry pass that finds its slot by bucket and binary search). Steps 2 and 3 are
-//! in [`super::buckets`], since they serve every capture; they are planned only where something searches by part, and data
-//! storage then searches the depth-ordered row instead.
+//! in [`super::buckets`], since they serve every capture; they are planned only where something searches by part.
 //!
 //! Where we differ:
 //! - `Wide64`, the default key: 32-bit depth over the instanced-triangle number. No two keys of a pixel are equal, so no
 //!   fragment is lost to another and the result does not depend on draw order (T1, T2, T27). `Packed32` is the paper's
 //!   (16-bit depth, 16-bit shape id); its equal keys merge, and are counted.
 //! - The books balance: rasterized = stored + merged + dropped, counted on the GPU (T3, T5).
+//! - Data storage may find its slot by binary search in the depth-ordered row instead of by bucket (`slot_search`), which is
+//!   the default, because it is faster: no hashing for every fragment. The answer is the same.
 //! - Captures are unlit; light falls once on every stored layer, later.
 //! - The row stays in depth order; the reordering is kept beside it.
 //!
@@ -21,6 +22,7 @@ use crate::passes::Context;
 use crate::passes::geometry::{GpuScene, Vertices, draw};
 use crate::passes::store::{StoreModules, packed_depth};
 use crate::plan::{Capture, FramePlan, Opacity, Pass};
+use crate::settings::SlotSearch;
 
 const TAIL_NONE: &str = "passes/capture/bucketed_k_buffer/tail_none";
 const TAIL_AVERAGE: &str = "passes/capture/bucketed_k_buffer/tail_average";
@@ -63,17 +65,24 @@ pub fn data_storage_spec(plan: &FramePlan, vertex: ShaderSpec) -> ShaderSpec {
     } else {
         "passes/capture/bucketed_k_buffer/search_key_packed32"
     };
-    let slot = if plan.runs(Pass::BucketCreation) {
-        "passes/capture/bucketed_k_buffer/slot_by_bucket"
+    let slot = match plan.capture {
+        Capture::BucketedKBuffer { slot_search: SlotSearch::Bucket, .. } => {
+            "passes/capture/bucketed_k_buffer/slot_by_bucket"
+        }
+        _ => "passes/capture/bucketed_k_buffer/slot_by_depth",
+    };
+    // Where buckets come first, the part column is there already.
+    let part = if plan.features.is_some() && !plan.runs(Pass::PartLookup) {
+        "passes/capture/bucketed_k_buffer/part_stored"
     } else {
-        "passes/capture/bucketed_k_buffer/slot_by_depth"
+        "passes/capture/bucketed_k_buffer/part_not_stored"
     };
     let tail: &[&'static str] = match (plan.capture, plan.opacity) {
         (Capture::BucketedKBuffer { tail: false, .. } | Capture::Compacted | Capture::None, _) => &[TAIL_NONE],
         (_, Opacity::Constant { .. }) => &[TAIL_AVERAGE, "passes/capture/bucketed_k_buffer/tail_constant"],
         (_, Opacity::Depth | Opacity::Curvature) => &[TAIL_AVERAGE, "passes/capture/bucketed_k_buffer/tail_transfer"],
     };
-    let spec = vertex.with("passes/capture/bucketed_k_buffer/data_storage").with(key).with(slot);
+    let spec = vertex.with("passes/capture/bucketed_k_buffer/data_storage").with(key).with(slot).with(part);
     let spec = tail.iter().fold(spec, |spec, module| spec.with(module));
     with_packed_depth(modules.colors(modules.normals(spec)), plan.capture)
 }

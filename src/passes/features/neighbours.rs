@@ -19,11 +19,10 @@ use crate::settings::NeighbourSearch;
 /// The shader of [`candidates`].
 pub fn candidates_spec(plan: &FramePlan, search: NeighbourSearch) -> ShaderSpec {
     let modules = StoreModules::of(plan);
-    let search = match search {
-        NeighbourSearch::Buckets => "passes/features/search_buckets",
-        NeighbourSearch::BruteForce => "passes/features/search_brute_force",
-    };
-    let spec = ShaderSpec::new("passes/features/neighbour_candidates").with(search);
+    let spec = ShaderSpec::new(match search {
+        NeighbourSearch::Buckets => "passes/features/candidates_buckets",
+        NeighbourSearch::BruteForce => "passes/features/candidates_brute_force",
+    });
     modules.normals(modules.keys(modules.layout(spec)))
 }
 

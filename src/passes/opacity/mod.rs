@@ -10,9 +10,6 @@ use crate::passes::{Context, TransferParameters};
 use crate::plan::{FramePlan, Opacity, Pass};
 use crate::transfer::{ColorMode, TransferFunction};
 
-/// Entries of the colour table and of each side of the opacity table.
-pub const TABLE_SIZE: u32 = 256;
-
 /// The uniform of a transfer function.
 pub fn parameters(transfer: &TransferFunction, gain: f64, constant: f64) -> TransferParameters {
     TransferParameters {
@@ -26,36 +23,18 @@ pub fn parameters(transfer: &TransferFunction, gain: f64, constant: f64) -> Tran
     }
 }
 
-/// The tables as textures: colour (256×1) and opacity (256×256, x depth, y |κ|).
-pub fn tables(gpu: &Gpu, transfer: &TransferFunction) -> [wgpu::TextureView; 2] {
+/// The tables as buffers: colour (256 vectors) and opacity (256×256, rows of equal |κ|).
+///
+/// # Errors
+/// [`GpuError::OutOfMemory`].
+pub fn tables(gpu: &Gpu, transfer: &TransferFunction) -> Result<[wgpu::Buffer; 2], GpuError> {
     let baked = transfer.bake();
     let colors: Vec<[f32; 4]> = baked.color.iter().map(|c| [c[0], c[1], c[2], 1.0]).collect();
-    let color = table(gpu, "color_table", wgpu::TextureFormat::Rgba32Float, 1, bytemuck::cast_slice(&colors));
-    let opacity =
-        table(gpu, "opacity_table", wgpu::TextureFormat::R32Float, TABLE_SIZE, bytemuck::cast_slice(&baked.opacity));
-    [color, opacity]
-}
-
-fn table(gpu: &Gpu, label: &str, format: wgpu::TextureFormat, height: u32, data: &[u8]) -> wgpu::TextureView {
-    let size = wgpu::Extent3d { width: TABLE_SIZE, height, depth_or_array_layers: 1 };
-    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some(label),
-        size,
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-        view_formats: &[],
-    });
-    let bytes_per_row = Some(data.len() as u32 / height);
-    gpu.queue.write_texture(
-        texture.as_image_copy(),
-        data,
-        wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row, rows_per_image: None },
-        size,
-    );
-    texture.create_view(&Default::default())
+    let usage = wgpu::BufferUsages::STORAGE;
+    Ok([
+        gpu.buffer_of("color_table", bytemuck::cast_slice(&colors), usage)?,
+        gpu.buffer_of("opacity_table", bytemuck::cast_slice(&baked.opacity), usage)?,
+    ])
 }
 
 /// The shader of [`stylize`].

@@ -14,6 +14,7 @@ fn fragment_main(v: Varyings, @builtin(front_facing) front_facing: bool) -> @loc
     let slot = find_slot(v, pixel);
     if slot != EMPTY {
         store_surface(slot, surface);
+        store_part(slot, v.part);
     } else {
         let count = layer_count(pixel);
         let explained = overflowed(pixel) && count > 0u && is_behind(search_key_of(v), keys[layer_base(pixel) + count - 1u]);

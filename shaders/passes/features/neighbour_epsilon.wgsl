@@ -1,0 +1,49 @@
+//@ use store/normals
+//@ use store/links
+//@ use store/part_column
+//@ use store/part_table
+// How well a layer of an adjacent pixel continues a fragment: epsilon = epsilon_n + epsilon_z (Murray 2016, section 5.1).
+// Depth is in units of the part's radius, so that the choice depends neither on the unit of the file nor on other parts (T7).
+
+@group(1) @binding(8) var<storage, read_write> candidates: array<vec2<u32>>;
+
+struct Seeker {
+    normal: vec3<f32>,
+    depth: f32,
+    inverse_radius: f32,
+}
+
+fn seeker_of(slot: u32, part: u32) -> Seeker {
+    return Seeker(layer_normal(slot), layer_view_depth(slot), part_table[part].inverse_radius);
+}
+
+// x: epsilon, y: epsilon_z alone.
+fn neighbour_epsilon(seeker: Seeker, slot: u32) -> vec2<f32> {
+    let dz = (seeker.depth - layer_view_depth(slot)) * seeker.inverse_radius;
+    let epsilon_z = dz * dz;
+    return vec2<f32>((1.0 - dot(seeker.normal, layer_normal(slot))) + epsilon_z, epsilon_z);
+}
+
+// What an adjacent pixel without a candidate means (T10).
+fn absent(other: u32) -> u32 {
+    return select(MISSING, UNKNOWN, overflowed(other));
+}
+
+fn store_candidates(slot: u32, found: vec4<u32>) {
+    candidates[slot] = vec2<u32>(found.x | (found.y << 16u), found.z | (found.w << 16u));
+}
+
+// Right, left, down, up: whether there is such a pixel, and which.
+struct Adjacent {
+    inside: vec4<bool>,
+    pixels: vec4<u32>,
+}
+
+fn adjacent_of(x: u32, row: u32) -> Adjacent {
+    let width = frame.size.x;
+    let pixel = row * width + x;
+    return Adjacent(
+        vec4<bool>(x + 1u < width, x > 0u, row + 1u < frame.end_row - frame.first_row, row > 0u),
+        vec4<u32>(pixel + 1u, pixel - 1u, pixel + width, pixel - width),
+    );
+}
