@@ -24,6 +24,7 @@ use serde::Serialize;
 use crate::export::image::{Difference, LinearImage, compare, parse_background};
 use crate::export::png::{read_png, write_png};
 use crate::render::FrameReport;
+use crate::scene::builtin;
 use crate::settings::{OpacityModel, Settings};
 use crate::transfer::{self, OpacityFunction, TransferSource};
 pub use failure::{Exit, Failure};
@@ -92,6 +93,7 @@ fn run(command: Command) -> Result<(), Failure> {
         Command::Adapters { json } => render::adapters(json),
         Command::Settings { toml } => output::print(settings(toml)?.as_bytes()),
         Command::Presets => output::print(presets().as_bytes()),
+        Command::Scenes => output::print(scenes().as_bytes()),
         Command::Assets { folder } => load::write_assets(&folder),
         Command::Bench { what } => bench::run(&what, &Progress::new()),
     }
@@ -253,6 +255,10 @@ fn presets() -> String {
     let looks = looks::LOOKS.iter().map(|l| (l.name, l.description));
     let functions = transfer::presets().into_iter().map(|p| (p.name, p.description));
     looks.chain(functions).map(|(name, what)| format!("{name:14} {what}\n")).collect()
+}
+
+fn scenes() -> String {
+    builtin::names().iter().map(|b| format!("builtin:{:14} {}\n", b.name, b.description)).collect()
 }
 
 #[cfg(test)]

@@ -51,6 +51,8 @@ pub enum Command {
     },
     /// List the looks for --preset and --transfer
     Presets,
+    /// List the built-in scenes
+    Scenes,
     /// Write the built-in scenes as GLB files
     Assets {
         /// The folder to write to
@@ -68,7 +70,7 @@ pub enum Command {
 /// What is looked at and how.
 #[derive(Args, Clone, Debug)]
 pub struct ViewArgs {
-    /// A model, or builtin:NAME
+    /// A model, or builtin:NAME (`pellucid scenes` lists them)
     pub file: String,
     /// Picture size in pixels
     #[arg(long, value_name = "WxH", value_parser = size, default_value = "1000x1000")]

@@ -27,10 +27,15 @@ pub fn opaque(
     draw_opaque(context, scene, target, depth, &|vertex| spec(plan, vertex))
 }
 
+/// The shader of [`unsorted`], over a vertex stage.
+pub fn unsorted_spec(vertex: ShaderSpec) -> ShaderSpec {
+    vertex.with("passes/unsorted")
+}
+
 /// Blends every fragment as it comes into `target` (Rgba16Float): the lower bound that benchmarks compare with.
 ///
 /// # Errors
 /// [`GpuError`] of the device.
 pub fn unsorted(context: &mut Context<'_>, scene: &GpuScene, target: &wgpu::TextureView) -> Result<(), GpuError> {
-    draw_unsorted(context, scene, target, &|spec| spec.with("passes/unsorted"))
+    draw_unsorted(context, scene, target, &unsorted_spec)
 }

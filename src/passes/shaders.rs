@@ -161,9 +161,11 @@ fn all_settings() -> Vec<Settings> {
     all
 }
 
-/// Every shader of every plan, each once.
+/// Every shader of every plan, each once, and those of measurements.
 pub fn all_shaders() -> Vec<PassShader> {
-    let mut all = Vec::new();
+    let unsorted = drawn(Vertices::Surface, &opaque::unsorted_spec).into_iter();
+    let measured = |(spec, entries)| PassShader { pass: Pass::Opaque, spec, entries, tail: false, atomics_64: false };
+    let mut all: Vec<PassShader> = unsorted.map(measured).collect();
     let mut seen = HashSet::new();
     for plan in all_plans() {
         let tail = matches!(plan.capture, Capture::BucketedKBuffer { tail: true, .. });

@@ -23,7 +23,8 @@ use crate::settings::{
 };
 use crate::transfer::TransferFunction;
 
-/// Everything that can run in a frame, in the order in which it would.
+/// Everything that can run in a frame, in the order in which it would; data storage comes before the buckets where it does
+/// not need them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Pass {
@@ -301,8 +302,8 @@ impl FramePlan {
 
 /// Storage buffers that the largest pass binds, without and with a tail.
 pub fn storage_buffers(tail: bool) -> u32 {
-    // Data storage binds one more for the tail.
-    if tail { 9 } else { 8 }
+    // Data storage binds the tail's sums and the tables of the transfer functions that weigh them. A test counts.
+    if tail { 11 } else { 8 }
 }
 
 /// Plans a frame.

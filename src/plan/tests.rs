@@ -43,14 +43,8 @@ fn skipped<'a>(plan: &'a FramePlan, what: &str) -> &'a str {
     &plan.skipped.iter().find(|s| s.what.contains(what)).unwrap_or_else(|| panic!("'{what}' is not skipped")).reason
 }
 
-const FEATURES: [Pass; 6] = [
-    Pass::PartLookup,
-    Pass::ZReordering,
-    Pass::BucketCreation,
-    Pass::NeighbourCandidates,
-    Pass::NeighbourLinks,
-    Pass::Curvature,
-];
+const FEATURES: [Pass; 5] =
+    [Pass::ZReordering, Pass::BucketCreation, Pass::NeighbourCandidates, Pass::NeighbourLinks, Pass::Curvature];
 
 #[test]
 fn constant_functions_need_no_neighbours_and_no_curvature() {
@@ -144,12 +138,16 @@ fn an_unplanned_pass_allocates_nothing() {
     tail.capture.bucketed_k_buffer.tail = Tail::Average;
     let mut opaque = Settings::default();
     opaque.opacity.model = OpacityModel::Opaque;
-    for settings in [Settings::default(), bucketed(8), tail, opaque] {
+    let mut by_bucket = bucketed(8);
+    by_bucket.capture.bucketed_k_buffer.slot_search = SlotSearch::Bucket;
+    for settings in [Settings::default(), bucketed(8), tail, by_bucket, opaque] {
         for transfer in [usual(), TransferFunction::uniform(0.5)] {
             for parts in [1, 20] {
                 let plan = plan(&settings, &transfer, &scene(parts), &view(), &adapter(), SIZE).unwrap();
+                // Data storage fills the part column too.
+                let part_column = plan.features.is_some() || plan.runs(Pass::PartLookup);
+                assert_eq!(names(&plan).contains(&"parts"), part_column, "{plan}");
                 for (buffer, pass) in [
-                    ("parts", Pass::PartLookup),
                     ("by_part", Pass::ZReordering),
                     ("buckets", Pass::BucketCreation),
                     ("candidates", Pass::NeighbourCandidates),
@@ -299,7 +297,7 @@ fn too_few_bindings_are_refused() {
     let mut tail = bucketed(8);
     tail.capture.bucketed_k_buffer.tail = Tail::Average;
     let e = refusal(&tail, 9, &few(8), SIZE);
-    assert!(e.to_string().contains("binds 9") && e.to_string().contains("tail = none needs 8"), "{e}");
+    assert!(e.to_string().contains("binds 11") && e.to_string().contains("tail = none needs 8"), "{e}");
     tail.set("capture.bucketed_k_buffer.tail", "none").unwrap();
     assert!(fits(&tail, 9, &few(8), SIZE));
 }
@@ -378,12 +376,16 @@ fn any_settings() -> impl Strategy<Value = Settings> {
 }
 
 fn any_adapter() -> impl Strategy<Value = Capabilities> {
-    (16_u32..34, 24_u32..34, any::<bool>(), 8_u32..12).prop_map(
+    (16_u32..34, 24_u32..34, any::<bool>(), 8_u32..14).prop_map(
         |(binding, buffer, atomic_min_64, max_storage_buffers)| {
             let (max_binding, max_buffer) = (1_u64 << binding, 1_u64 << buffer);
             Capabilities { max_binding, max_buffer, max_texture: 8192, max_storage_buffers, atomic_min_64 }
         },
     )
+}
+
+fn order_of(pass: Pass) -> usize {
+    Pass::ALL.iter().position(|p| *p == pass).unwrap()
 }
 
 proptest! {
@@ -411,8 +413,14 @@ proptest! {
                 return Ok(());
             }
         };
-        let order = |pass: Pass| Pass::ALL.iter().position(|p| *p == pass).unwrap();
-        prop_assert!(plan.passes.windows(2).all(|p| order(p[0].pass) < order(p[1].pass)), "{plan}");
+        // Slots that are found by depth are filled before there are buckets.
+        let by_depth = !plan.runs(Pass::PartLookup);
+        let order = |pass: Pass| match pass {
+            Pass::DataStorage if by_depth => order_of(Pass::CountLayers),
+            _ => order_of(pass),
+        };
+        prop_assert!(plan.passes.windows(2).all(|p| order(p[0].pass) <= order(p[1].pass)), "{plan}");
+        prop_assert!(Pass::ALL.iter().all(|pass| plan.passes.iter().filter(|p| p.pass == *pass).count() <= 1), "{plan}");
         prop_assert!(plan.passes.iter().all(|p| !p.reason.is_empty()));
         prop_assert!(plan.skipped.iter().all(|s| !s.reason.is_empty()));
         let mut unique = names(&plan);

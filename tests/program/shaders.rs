@@ -71,6 +71,16 @@ fn capabilities(shader: &Parsed) -> Capabilities {
     if shader.users.iter().all(|u| u.atomics_64) { usual | wide } else { usual }
 }
 
+/// Names of the storage buffers that an entry point binds.
+fn storage_of(shader: &Parsed, info: &ModuleInfo, entry: usize) -> Vec<String> {
+    let used = info.get_entry_point(entry);
+    let variables = shader.module.global_variables.iter();
+    variables
+        .filter(|(handle, v)| matches!(v.space, AddressSpace::Storage { .. }) && !used[*handle].is_empty())
+        .filter_map(|(_, v)| v.name.clone())
+        .collect()
+}
+
 fn faults_of(shader: &Parsed) -> Vec<String> {
     let name = shader.name();
     let info = match validate(shader, capabilities(shader)) {
@@ -96,13 +106,7 @@ fn faults_of(shader: &Parsed) -> Vec<String> {
             faults.push(format!("{name}: {} has workgroups of {:?}", entry.name, entry.workgroup_size));
         }
         let used = info.get_entry_point(index);
-        let buffers: Vec<_> = shader
-            .module
-            .global_variables
-            .iter()
-            .filter(|(handle, v)| matches!(v.space, AddressSpace::Storage { .. }) && !used[*handle].is_empty())
-            .filter_map(|(_, v)| v.name.clone())
-            .collect();
+        let buffers = storage_of(shader, &info, index);
         // What shares a text must fit the smallest of its plans.
         let limit = storage_buffers(shader.users.iter().all(|u| u.tail));
         if buffers.len() as u32 > limit {
@@ -128,6 +132,21 @@ fn every_shader_that_a_plan_can_ask_for_is_valid() {
     let variants: usize = shaders.iter().map(|s| s.users.len()).sum();
     println!("{} plans, {variants} shaders of passes, {} texts", all_plans().len(), shaders.len());
     assert!(shaders.len() > 150, "only {} shaders: choices are missing", shaders.len());
+}
+
+/// An adapter must not be refused for buffers that no shader binds.
+#[test]
+fn the_planned_number_of_storage_buffers_is_needed() {
+    let most = |tail: bool| {
+        let shaders = parsed().into_iter().filter(|s| s.users.iter().all(|u| u.tail) == tail);
+        let counts = shaders.map(|shader| {
+            let info = validate(&shader, capabilities(&shader)).unwrap();
+            let entries = 0..shader.module.entry_points.len();
+            entries.map(|entry| storage_of(&shader, &info, entry).len()).max().unwrap_or(0)
+        });
+        counts.max().unwrap_or(0) as u32
+    };
+    assert_eq!([most(false), most(true)], [false, true].map(storage_buffers));
 }
 
 #[test]
