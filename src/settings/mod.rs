@@ -237,7 +237,7 @@ settings! {
     /// The picture.
     pub struct ImageSettings {
         /// Background: `none` for transparent, or `#rrggbb`.
-        pub background: String = "#ffffff".to_owned(), Range::Text;
+        pub background: String = "#262b33".to_owned(), Range::Text;
         /// Frames averaged for one picture, each shifted by a fraction of a pixel.
         pub samples: u32 = 1, Range::Integer(1, 1024);
     }
