@@ -58,7 +58,7 @@ pub struct CameraArgs {
     /// Turns the eye about the focal point upwards
     #[arg(long, value_name = "DEGREES", value_parser = number, allow_hyphen_values = true)]
     pub camera_elevation_angle: Option<f64>,
-    /// How much of the shorter side the model's bounding sphere fills [default: 0.9]
+    /// How much of the picture the box around the model fills [default: 0.9]
     #[arg(long, value_name = "FACTOR", value_parser = positive, conflicts_with = "camera_position")]
     pub camera_zoom_factor: Option<f64>,
     /// Parallel projection

@@ -40,7 +40,7 @@ pub mod view;
 
 pub use buckets::{Books, BucketedPixel, PackedKey, WideKey, bucket_k_buffer};
 pub use curvature::{Curvature, curvature};
-pub use neighbours::{Direction, Link, Neighbours, neighbours};
+pub use neighbours::{Direction, Link, Neighbours, neighbours, neighbours_expected};
 pub use raster::{Fragment, Layers, Pixel, SurfaceInputs, rasterize};
 pub use store::StoreData;
 pub use view::{Extents, View};

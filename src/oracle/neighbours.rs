@@ -5,12 +5,14 @@
 //! its candidate in return. *Missing* says that the surface ends here, *unknown* that nobody can say: beyond the image,
 //! or where the adjacent list lost fragments (T10).
 //!
+//! With a view, depth_i is replaced by the depth at which the fragment's tangent plane crosses the adjacent pixel (T18).
+//!
 //! An answer is ambiguous if the two best ε lie within 1e-6, here or in the reverse check.
 
 use glam::{DVec3, Vec3};
 
 use super::store::StoreData;
-use super::view::Extents;
+use super::view::{Extents, View};
 
 /// Where a neighbour is looked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -81,8 +83,19 @@ struct Candidate {
     ambiguous: bool,
 }
 
-/// Finds all neighbours. Without `reverse_check` a candidate counts as it is.
+/// Finds all neighbours as printed. Without `reverse_check` a candidate counts as it is.
 pub fn neighbours(store: &StoreData, extents: &Extents, reverse_check: bool) -> Neighbours {
+    neighbours_expected(store, extents, None, reverse_check)
+}
+
+/// Finds all neighbours; with a view, depths are compared with where the fragment's tangent plane crosses the adjacent pixel
+/// (T18) instead of the fragment's own depth.
+pub fn neighbours_expected(
+    store: &StoreData,
+    extents: &Extents,
+    slope: Option<&View>,
+    reverse_check: bool,
+) -> Neighbours {
     let pixel_of = store.pixel_of_fragment();
     let (width, height) = (store.width.max(1) as usize, store.height as usize);
     let mut result = Neighbours::default();
@@ -94,10 +107,11 @@ pub fn neighbours(store: &StoreData, extents: &Extents, reverse_check: bool) -> 
             let Some(q) = direction.step(p, width, height) else { continue };
             let none = if store.overflowed[q] { Link::Unknown } else { Link::Missing };
             links[d] = none;
-            let Some(found) = candidate(store, extents, i, q) else { continue };
+            let Some(found) = candidate(store, extents, expected_depth(store, slope, i, p, q), i, q) else { continue };
             ambiguous[d] = found.ambiguous;
             let agreed = if reverse_check {
-                let back = candidate(store, extents, store.offsets[q] + found.layer, p);
+                let j = store.offsets[q] + found.layer;
+                let back = candidate(store, extents, expected_depth(store, slope, j, q, p), j, p);
                 ambiguous[d] |= back.is_some_and(|b| b.ambiguous);
                 back.is_some_and(|b| store.offsets[p] + b.layer == i)
             } else {
@@ -113,14 +127,34 @@ pub fn neighbours(store: &StoreData, extents: &Extents, reverse_check: bool) -> 
     result
 }
 
+/// The depth at which fragment `i` of pixel `p` expects its surface in the adjacent pixel `q`: its own, or with a view where
+/// its tangent plane crosses the middle of `q`. A plane seen nearly edge-on gives at most the slope of 1 : 20.
+fn expected_depth(store: &StoreData, slope: Option<&View>, i: usize, p: usize, q: usize) -> f64 {
+    let Some(view) = slope else { return store.depth[i] };
+    let normal = Vec3::from(store.normal[i]).as_dvec3();
+    let depth = store.depth[i];
+    let at = |pixel: usize, depth: f64| {
+        let (x, y) = store.xy(pixel);
+        view.position(x, y, depth)
+    };
+    let here = at(p, depth);
+    if !view.perspective {
+        let step = at(q, depth) - here;
+        return depth + (normal.x * step.x + normal.y * step.y) / normal.z.max(0.05);
+    }
+    let ray = at(q, 1.0);
+    let (toward, away) = (-normal.dot(ray), -normal.dot(here));
+    if toward > 0.05 && away > 0.0 { away / toward } else { depth }
+}
+
 /// The fragment of pixel `q` that resembles fragment `i` most; the nearer layer among equals.
-fn candidate(store: &StoreData, extents: &Extents, i: usize, q: usize) -> Option<Candidate> {
+fn candidate(store: &StoreData, extents: &Extents, expected: f64, i: usize, q: usize) -> Option<Candidate> {
     let radius = extents.part_radius(store.part[i]);
     let normal = |f: usize| -> DVec3 { Vec3::from(store.normal[f]).as_dvec3() };
     let mut best: Option<(usize, f64)> = None;
     let mut second = f64::INFINITY;
     for (layer, j) in store.range(q).enumerate().filter(|&(_, j)| store.part[j] == store.part[i]) {
-        let epsilon_z = (store.depth[i] - store.depth[j]) / radius;
+        let epsilon_z = (expected - store.depth[j]) / radius;
         let epsilon = (1.0 - normal(i).dot(normal(j))) + epsilon_z * epsilon_z;
         match best {
             Some((_, smallest)) if epsilon >= smallest => second = second.min(epsilon),
@@ -159,6 +193,27 @@ mod tests {
 
     const Z: [f32; 3] = [0.0, 0.0, 1.0];
     const X: [f32; 3] = [1.0, 0.0, 0.0];
+
+    /// A wall 0.1 thick whose depth grows by 0.4 a pixel: the near face is closer to the next pixel's far face than to its
+    /// own continuation, unless the slope is taken into account.
+    #[test]
+    fn the_slope_keeps_the_faces_of_a_thin_slanted_wall_apart() {
+        let view = View {
+            width: 3,
+            height: 1,
+            perspective: false,
+            half_extent: glam::DVec2::new(1.5, 0.5),
+            shift: glam::DVec2::ZERO,
+        };
+        let slanted = DVec3::new(0.4, 0.0, 1.0).normalize().as_vec3().to_array();
+        let wall = |x: f64| [(0, 2.0 + 0.4 * x, slanted), (0, 2.1 + 0.4 * x, slanted)];
+        let store = row(&[&wall(0.0), &wall(1.0), &wall(2.0)]);
+        let by_slope = neighbours_expected(&store, &extents(), Some(&view), true);
+        assert_eq!(by_slope.links[2][..2], [Link::To(0), Link::To(0)]);
+        assert_eq!(by_slope.links[3][..2], [Link::To(1), Link::To(1)]);
+        let printed = neighbours(&store, &extents(), true);
+        assert_ne!(printed.links[2][..2], [Link::To(0), Link::To(0)]);
+    }
 
     #[test]
     fn epsilon_chooses_by_normal_and_depth_inside_the_part() {

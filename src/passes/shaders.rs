@@ -15,8 +15,8 @@ use crate::gpu::ShaderSpec;
 use crate::plan::{self, Capabilities, Capture, FramePlan, Opacity, Pass, ViewStats};
 use crate::scene::{Scene, SceneStats};
 use crate::settings::{
-    CaptureKind, CurvatureUnit, DepthQuantization, KeyFormat, NeighbourSearch, NormalEncoding, OpacityModel, Settings,
-    SlotSearch, Tail,
+    CaptureKind, CurvatureUnit, DepthQuantization, DepthTerm, KeyFormat, NeighbourSearch, NormalEncoding, OpacityModel,
+    Settings, SlotSearch, Tail,
 };
 use crate::transfer::{ColorFunction, TransferFunction, TransferSource};
 
@@ -156,6 +156,7 @@ fn all_settings() -> Vec<Settings> {
     vary(&mut all, SlotSearch::ALL, |s, v| s.capture.bucketed_k_buffer.slot_search = v);
     vary(&mut all, Tail::ALL, |s, v| s.capture.bucketed_k_buffer.tail = v);
     vary(&mut all, NeighbourSearch::ALL, |s, v| s.features.neighbours = v);
+    vary(&mut all, DepthTerm::ALL, |s, v| s.features.depth_term = v);
     vary(&mut all, CurvatureUnit::ALL, |s, v| s.features.curvature.unit = v);
     vary(&mut all, &[true, false], |s, v| s.features.reverse_check = v);
     all

@@ -18,8 +18,8 @@ pub use refusal::Refusal;
 use crate::math::Camera;
 use crate::scene::SceneStats;
 use crate::settings::{
-    CaptureKind, CurvatureUnit, DepthQuantization, KeyFormat, NeighbourSearch, NormalEncoding, OpacityModel, Settings,
-    SlotSearch, Tail,
+    CaptureKind, CurvatureUnit, DepthQuantization, DepthTerm, KeyFormat, NeighbourSearch, NormalEncoding, OpacityModel,
+    Settings, SlotSearch, Tail,
 };
 use crate::transfer::TransferFunction;
 
@@ -230,6 +230,8 @@ impl Capture {
 pub struct Features {
     /// How neighbours are searched.
     pub search: NeighbourSearch,
+    /// With which depth candidates are compared.
+    pub depth_term: DepthTerm,
     /// Whether a neighbour must see the layer as its own.
     pub reverse_check: bool,
     /// Steps along the links over which curvature is estimated.
@@ -467,6 +469,7 @@ fn choose_features(
     };
     Features {
         search,
+        depth_term: settings.features.depth_term,
         reverse_check: settings.features.reverse_check,
         radius,
         reach: radius.max(line.ceil() as u32),

@@ -94,6 +94,17 @@ choice! {
 }
 
 choice! {
+    /// With which depth a candidate for a neighbour is compared.
+    pub enum DepthTerm {
+        /// The depth at which the layer's tangent plane crosses the neighbouring pixel: thin walls stay apart (T18).
+        #[default]
+        Slope = "slope",
+        /// The layer's own depth, as printed in Murray 2016.
+        Printed = "printed",
+    }
+}
+
+choice! {
     /// Which curvature drives the transfer functions.
     pub enum CurvatureKind {
         /// Curvature of the surface, the same from every side.
@@ -183,6 +194,8 @@ settings! {
     pub struct FeatureSettings {
         /// How the four neighbours of a layer are searched. Both give the same answer.
         pub neighbours: NeighbourSearch = NeighbourSearch::Buckets, Range::Choice(NeighbourSearch::NAMES);
+        /// With which depth a candidate is compared.
+        pub depth_term: DepthTerm = DepthTerm::Slope, Range::Choice(DepthTerm::NAMES);
         /// Whether a neighbour must see the layer as its own neighbour too (Murray 2016, Figure 5).
         pub reverse_check: bool = true, Range::Switch;
         /// Curvature.
@@ -224,7 +237,7 @@ settings! {
     /// The picture.
     pub struct ImageSettings {
         /// Background: `none` for transparent, or `#rrggbb`.
-        pub background: String = "#ffffff".to_owned(), Range::Text;
+        pub background: String = "#262b33".to_owned(), Range::Text;
         /// Frames averaged for one picture, each shifted by a fraction of a pixel.
         pub samples: u32 = 1, Range::Integer(1, 1024);
     }

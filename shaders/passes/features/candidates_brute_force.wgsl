@@ -2,14 +2,14 @@
 // First half of the neighbour search as the baseline of Murray 2016, section 6: depth, normal and part of every layer of the
 // neighbouring pixel are read, and a layer of another part is infinitely far. Same answer as by buckets.
 
-fn best_candidate(other: u32, part: u32, seeker: Seeker) -> u32 {
+fn best_candidate(other: u32, direction: u32, part: u32, seeker: Seeker) -> u32 {
     let base = layer_base(other);
     let count = min(layer_count(other), LARGEST_LINK);
     var best = MISSING;
     var best_epsilon = 3.4e38;
     for (var layer = 0u; layer < count; layer++) {
         let slot = base + layer;
-        let epsilon = neighbour_epsilon(seeker, slot).x;
+        let epsilon = neighbour_epsilon(seeker, direction, slot).x;
         if parts[slot] == part && epsilon < best_epsilon {
             best_epsilon = epsilon;
             best = layer;
@@ -23,7 +23,7 @@ fn candidate_in(adjacent: Adjacent, direction: u32, part: u32, seeker: Seeker) -
         return UNKNOWN;
     }
     let other = adjacent.pixels[direction];
-    let best = best_candidate(other, part, seeker);
+    let best = best_candidate(other, direction, part, seeker);
     return select(best, absent(other), best == MISSING);
 }
 
@@ -41,7 +41,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         var found = vec4<u32>(UNKNOWN);
         if layer < LARGEST_LINK {
             let part = parts[slot];
-            let seeker = seeker_of(slot, part);
+            let seeker = seeker_of(id.x, id.y, slot, part);
             found = vec4<u32>(
                 candidate_in(adjacent, 0u, part, seeker),
                 candidate_in(adjacent, 1u, part, seeker),

@@ -5,12 +5,12 @@
 // are read, and a bucket is looked up once for all layers of a part.
 
 // A bucket is in depth order, and epsilon is at least the squared depth difference (less what rounding can take from
-// 1 - cosine): the search starts at the layer's own depth and goes both ways until depth alone says that nothing better
+// 1 - cosine): the search starts at the expected depth and goes both ways until depth alone says that nothing better
 // follows.
 const ROUNDING: f32 = 2e-6;
 
-// A bucket of an adjacent pixel, and how far the search has come in it: layers of one part seek in depth order, so the
-// position of their own depth only moves on.
+// A bucket of an adjacent pixel, and where in it the last search began: layers of one part seek in depth order, so the next
+// search begins nearby.
 struct Bucket {
     base: u32,
     first: u32,
@@ -28,20 +28,27 @@ fn bucket_of(adjacent: Adjacent, direction: u32, part: u32) -> Bucket {
     return Bucket(layer_base(other), range.x, range.y, range.x, absent(other));
 }
 
-fn best_candidate(bucket: ptr<function, Bucket>, seeker: Seeker) -> u32 {
+fn best_candidate(bucket: ptr<function, Bucket>, direction: u32, seeker: Seeker) -> u32 {
     let base = (*bucket).base;
+    let expected = seeker.expected[direction];
     while (*bucket).at < (*bucket).end {
-        if layer_view_depth(base + by_part[base + (*bucket).at]) > seeker.depth {
+        if layer_view_depth(base + by_part[base + (*bucket).at]) > expected {
             break;
         }
         (*bucket).at += 1u;
+    }
+    while (*bucket).at > (*bucket).first {
+        if layer_view_depth(base + by_part[base + (*bucket).at - 1u]) <= expected {
+            break;
+        }
+        (*bucket).at -= 1u;
     }
     var best = (*bucket).absent;
     var best_epsilon = 3.4e38;
     // Nearer to the viewer. Among equals the nearer layer wins, here the later one.
     for (var position = (*bucket).at; position > (*bucket).first; position--) {
         let layer = by_part[base + position - 1u];
-        let epsilon = neighbour_epsilon(seeker, base + layer);
+        let epsilon = neighbour_epsilon(seeker, direction, base + layer);
         if epsilon.y > best_epsilon + ROUNDING {
             break;
         }
@@ -53,7 +60,7 @@ fn best_candidate(bucket: ptr<function, Bucket>, seeker: Seeker) -> u32 {
     // Farther from the viewer.
     for (var position = (*bucket).at; position < (*bucket).end; position++) {
         let layer = by_part[base + position];
-        let epsilon = neighbour_epsilon(seeker, base + layer);
+        let epsilon = neighbour_epsilon(seeker, direction, base + layer);
         if epsilon.y > best_epsilon + ROUNDING {
             break;
         }
@@ -91,12 +98,12 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
             if parts[slot] != part {
                 break;
             }
-            let seeker = seeker_of(slot, part);
+            let seeker = seeker_of(id.x, id.y, slot, part);
             store_candidates(slot, vec4<u32>(
-                best_candidate(&right, seeker),
-                best_candidate(&left, seeker),
-                best_candidate(&down, seeker),
-                best_candidate(&up, seeker),
+                best_candidate(&right, 0u, seeker),
+                best_candidate(&left, 1u, seeker),
+                best_candidate(&down, 2u, seeker),
+                best_candidate(&up, 3u, seeker),
             ));
             position += 1u;
         }

@@ -9,17 +9,20 @@
 
 struct Seeker {
     normal: vec3<f32>,
-    depth: f32,
     inverse_radius: f32,
+    // The depth that the surface is expected to have in each adjacent pixel.
+    expected: vec4<f32>,
 }
 
-fn seeker_of(slot: u32, part: u32) -> Seeker {
-    return Seeker(layer_normal(slot), layer_view_depth(slot), part_table[part].inverse_radius);
+fn seeker_of(x: u32, row: u32, slot: u32, part: u32) -> Seeker {
+    let normal = layer_normal(slot);
+    let expected = expected_depths(x, row + frame.first_row, layer_view_depth(slot), normal);
+    return Seeker(normal, part_table[part].inverse_radius, expected);
 }
 
 // x: epsilon, y: epsilon_z alone.
-fn neighbour_epsilon(seeker: Seeker, slot: u32) -> vec2<f32> {
-    let dz = (seeker.depth - layer_view_depth(slot)) * seeker.inverse_radius;
+fn neighbour_epsilon(seeker: Seeker, direction: u32, slot: u32) -> vec2<f32> {
+    let dz = (seeker.expected[direction] - layer_view_depth(slot)) * seeker.inverse_radius;
     let epsilon_z = dz * dz;
     return vec2<f32>((1.0 - dot(seeker.normal, layer_normal(slot))) + epsilon_z, epsilon_z);
 }

@@ -2,7 +2,10 @@
 //! (Murray 2016, section 5.1, after Carnecky 2013).
 //!
 //! A candidate has the least ε = ε_n + ε_z, with ε_n = 1 − n·n' and ε_z the squared depth difference in radii of the part
-//! (T7: the printed formula adds a length squared to a number). A candidate that does not see the layer as its own candidate
+//! (T7: the printed formula adds a length squared to a number). The difference is taken to the depth at which the layer's tangent
+//! plane crosses the neighbouring pixel, not to the layer's own depth as printed: where a thin wall is seen at a slant, depth
+//! changes by more than its thickness from pixel to pixel, and its two faces would be taken for each other (T18; the printed
+//! form is a setting). A candidate that does not see the layer as its own candidate
 //! is no neighbour (reverse check). *Missing* means the surface ends; *unknown* means nothing can be said: beyond the image,
 //! or in a pixel that lost layers (T10).
 //!
@@ -14,7 +17,7 @@ use crate::gpu::{GpuError, ShaderSpec};
 use crate::passes::Context;
 use crate::passes::store::StoreModules;
 use crate::plan::{FramePlan, Pass};
-use crate::settings::NeighbourSearch;
+use crate::settings::{DepthTerm, NeighbourSearch};
 
 /// The shader of [`candidates`].
 pub fn candidates_spec(plan: &FramePlan, search: NeighbourSearch) -> ShaderSpec {
@@ -23,7 +26,11 @@ pub fn candidates_spec(plan: &FramePlan, search: NeighbourSearch) -> ShaderSpec 
         NeighbourSearch::Buckets => "passes/features/candidates_buckets",
         NeighbourSearch::BruteForce => "passes/features/candidates_brute_force",
     });
-    modules.normals(modules.keys(modules.layout(spec)))
+    let term = match plan.features.map(|f| f.depth_term) {
+        Some(DepthTerm::Printed) => "passes/features/expected_depth_own",
+        Some(DepthTerm::Slope) | None => "passes/features/expected_depth_slope",
+    };
+    modules.normals(modules.keys(modules.layout(spec.with(term))))
 }
 
 /// The shader of [`links`].
