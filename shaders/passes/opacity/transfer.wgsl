@@ -23,6 +23,7 @@ fn color_of_kappa(kappa: f32) -> vec3<f32> {
     return mix(a, b, at - f32(low));
 }
 
+// Not clamped: the material's opacity is multiplied first.
 fn opacity_of(depth01: f32, kappa: f32) -> f32 {
     let at = clamp(vec2<f32>(depth01, abs(kappa)), vec2<f32>(0.0), vec2<f32>(1.0)) * 255.0;
     let low = min(vec2<u32>(at), vec2<u32>(254u));
@@ -31,7 +32,7 @@ fn opacity_of(depth01: f32, kappa: f32) -> f32 {
     let b = textureLoad(opacity_table, low + vec2<u32>(1u, 0u), 0).r;
     let c = textureLoad(opacity_table, low + vec2<u32>(0u, 1u), 0).r;
     let d = textureLoad(opacity_table, low + vec2<u32>(1u, 1u), 0).r;
-    return clamp(transfer.gain * mix(mix(a, b, t.x), mix(c, d, t.x), t.y), 0.0, 1.0);
+    return transfer.gain * mix(mix(a, b, t.x), mix(c, d, t.x), t.y);
 }
 
 // A colour under the colour function's value, 0.5 of which changes nothing.
