@@ -400,9 +400,12 @@ fn accumulate(
     let _ = width;
     let mut work = Work::new(renderer, plan, view, whole, blank)?;
     if sample == 0 {
-        work.recorder.encoder.clear_texture(before, &wgpu::ImageSubresourceRange::default());
+        // The first sum is the first frame. (Clearing a texture is a feature that not every adapter has.)
+        let encoder = &mut work.recorder.encoder;
+        encoder.copy_texture_to_texture(image.as_image_copy(), after.as_image_copy(), image.size());
+    } else {
+        composite::accumulate(&mut work.context())?;
     }
-    composite::accumulate(&mut work.context())?;
     Ok(work.submit_times(tally)?)
 }
 
