@@ -384,8 +384,7 @@ pub fn plan(
     }
     let opacity = choose_opacity(settings, transfer);
     let mut draft = Draft { passes: Vec::new(), skipped: Vec::new() };
-    let all_opaque =
-        matches!(opacity, Opacity::Constant { alpha } if alpha >= 1.0) && scene.blended_materials == 0;
+    let all_opaque = matches!(opacity, Opacity::Constant { alpha } if alpha >= 1.0) && scene.blended_materials == 0;
     let capture = if all_opaque {
         draft.run(Pass::Opaque, "every surface is opaque: only the nearest can be seen");
         draft.run(Pass::ShowOpaque, "the opaque pass draws into a target of its own");

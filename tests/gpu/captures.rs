@@ -114,6 +114,31 @@ fn buckets_and_brute_force_find_the_same_neighbours() {
 }
 
 #[test]
+fn an_earlier_frame_leaves_no_trace() {
+    let Some(mut r) = renderer() else { return };
+    // First layers everywhere, then a scene with many empty pixels in the same buffers.
+    let full = meshes::stack(16, 0.05, |i| (i % 10) as usize);
+    for (name, scene, _) in views() {
+        let camera = front(&scene, false);
+        for row in ["kind=bkb k=16", "kind=compacted"] {
+            let s = lively_settings(&format!("{row} reverse=false"));
+            let close = Camera { projection: Projection::Orthographic { height: 1.0 }, ..front(&full, true) };
+            draw(&mut r, &full, &close, &s, SIZE);
+            let after = draw(&mut r, &scene, &camera, &s, SIZE);
+            assert!(after.store.layers.counts.iter().filter(|&&c| c == 0).count() > 500);
+            let brute = draw(
+                &mut r,
+                &scene,
+                &camera,
+                &lively_settings(&format!("{row} reverse=false search=brute_force")),
+                SIZE,
+            );
+            after.assert_same(&brute, &format!("{name}, {row}"));
+        }
+    }
+}
+
+#[test]
 fn bands_change_no_bit() {
     let (Some(mut r), Some(mut small)) = (renderer(), small_renderer()) else { return };
     let size = [72, 80];
@@ -173,7 +198,12 @@ fn t07_a_model_1024_times_as_large_gives_the_same_bits() {
     for (name, scene, camera) in views() {
         for by in [1024.0, 1.0 / 1024.0] {
             let (large, large_camera) = scaled(&scene, &camera, by);
-            for row in ["unit=view", "unit=part kind=bkb k=20", "unit=scene curvature=view_centred radius=0.02", "kind=bkb k=4 tail=average"] {
+            for row in [
+                "unit=view",
+                "unit=part kind=bkb k=20",
+                "unit=scene curvature=view_centred radius=0.02",
+                "kind=bkb k=4 tail=average",
+            ] {
                 let s = lively_settings(row);
                 let small = draw(&mut r, &scene, &camera, &s, SIZE);
                 let large = draw(&mut r, &large, &large_camera, &s, SIZE);
@@ -199,7 +229,11 @@ fn t07_a_far_part_changes_no_link_and_no_kappa_of_the_others() {
         // A parallel depth is linear over the scene's depth, so there the other part is far to the side.
         let camera = if perspective { camera } else { front(&scene, true) };
         let (right, _, back) = camera.axes();
-        let at = if perspective { camera.focal_point - back * 40.0 - right * 60.0 } else { camera.focal_point + right * 60.0 };
+        let at = if perspective {
+            camera.focal_point - back * 40.0 - right * 60.0
+        } else {
+            camera.focal_point + right * 60.0
+        };
         let more = with_far_part(&scene, at);
         assert!(more.bounds().bounding_sphere().radius > 5.0 * scene.bounds().bounding_sphere().radius);
         assert_eq!(more.origin, scene.origin);
@@ -221,7 +255,11 @@ fn the_opaque_pass_equals_a_capture_of_opaque_layers() {
     let Some(mut r) = renderer() else { return };
     for (name, scene, camera) in views() {
         let mut opaque = scene.clone();
-        opaque.materials.iter_mut().filter(|m| m.alpha_mode == AlphaMode::Blend).for_each(|m| m.alpha_mode = AlphaMode::Opaque);
+        opaque
+            .materials
+            .iter_mut()
+            .filter(|m| m.alpha_mode == AlphaMode::Blend)
+            .for_each(|m| m.alpha_mode = AlphaMode::Opaque);
         let mut captured = scene.clone();
         // All of it blended, with an alpha of one: nothing shows through, but the planner cannot know.
         for m in captured.materials.iter_mut().filter(|m| !matches!(m.alpha_mode, AlphaMode::Mask { .. })) {
@@ -260,7 +298,9 @@ fn effects_that_are_left_out_change_no_bit() {
             let forced = draw(&mut r, &scene, &camera, &with_transfer(base, neutral(opacity, 0.9)), SIZE);
             let (a, b) = (&skipped.frame.report.plan, &forced.frame.report.plan);
             assert_eq!(a.opacity, Opacity::Constant { alpha: opacity * gain });
-            assert!(!a.runs(Pass::Stylize) && !a.runs(Pass::Curvature) && b.runs(Pass::Stylize) && b.runs(Pass::Curvature));
+            assert!(
+                !a.runs(Pass::Stylize) && !a.runs(Pass::Curvature) && b.runs(Pass::Stylize) && b.runs(Pass::Curvature)
+            );
             assert_first(&skipped.bits(), &forced.bits(), &format!("{name}, opacity {opacity}, gain {gain}"));
         }
     }

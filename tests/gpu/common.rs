@@ -123,7 +123,8 @@ pub fn draw(r: &mut Renderer, scene: &Scene, camera: &Camera, settings: &Setting
     let frame = r.render(&loaded, camera, settings, size).expect("a frame");
     let report = &frame.report;
     let readable = report.bands == 1 && report.plan.samples == 1 && report.plan.capture != Capture::None;
-    let store = if readable { r.read_store(report, &loaded, camera).expect("read-back") } else { StoreReadback::default() };
+    let store =
+        if readable { r.read_store(report, &loaded, camera).expect("read-back") } else { StoreReadback::default() };
     Shot { frame, store }
 }
 

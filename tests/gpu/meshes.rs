@@ -203,17 +203,29 @@ pub fn assembly(seed: u64) -> Scene {
         base_color_texture: Some(TextureRef { texture: 0, uv_set: 0, uv_transform: TextureRef::IDENTITY }),
         ..material([1.0; 4], 0.1, 0.6)
     };
-    let materials =
-        vec![material([0.7, 0.6, 0.5, 1.0], 0.0, 0.5), material([0.8; 4], 1.0, 0.35), blended, shining, unlit, textured];
+    let materials = vec![
+        material([0.7, 0.6, 0.5, 1.0], 0.0, 0.5),
+        material([0.8; 4], 1.0, 0.35),
+        blended,
+        shining,
+        unlit,
+        textured,
+    ];
     let with = |mut p: Primitive, material: usize| {
         p.material = material;
         p
     };
     let mut colored = soup(&mut random, 12, 1.2, 0.9);
-    colored.colors = colored.positions.iter().map(|_| [0.0; 3].map(|_| random.unit() as f32)).map(|[r, g, b]| [r, g, b, 1.0]).collect();
+    colored.colors = colored
+        .positions
+        .iter()
+        .map(|_| [0.0; 3].map(|_| random.unit() as f32))
+        .map(|[r, g, b]| [r, g, b, 1.0])
+        .collect();
     let mut holes = square(0.9, 0.0);
     holes.uvs[0] = vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
-    let rgba = (0..16).flat_map(|i| [40 + 12 * i as u8, 200 - 9 * i as u8, 128, if i % 5 == 2 { 0 } else { 255 }]).collect();
+    let rgba =
+        (0..16).flat_map(|i| [40 + 12 * i as u8, 200 - 9 * i as u8, 128, if i % 5 == 2 { 0 } else { 255 }]).collect();
     let image = Image { name: "texels".to_owned(), width: 4, height: 4, rgba };
     let mut two_materials = mesh("two materials", with(cuboid(DVec3::new(0.5, 0.3, 0.4)), 0));
     two_materials.primitives.push(with(moved(sphere(0.35, 12, 6), DVec3::new(0.0, 0.6, 0.0)), 1));
@@ -238,8 +250,8 @@ pub fn assembly(seed: u64) -> Scene {
         (1, at(r, DVec3::new(-1.0, 1.0, 1.0), DVec3::new(0.1, 0.0, 0.2))),
         (0, at(r, DVec3::new(0.4, 1.3, 0.7), DVec3::new(0.9, -0.6, -0.5))),
         (2, box_at),
-        // Its face x = 0.5 is the other's face x = −0.5.
-        (2, box_at * DMat4::from_translation(DVec3::X)),
+        // A part of its face x = −0.5 touches the other's face x = 0.5.
+        (2, box_at * DMat4::from_translation(DVec3::new(1.0, 0.45, 0.3))),
         (3, DMat4::IDENTITY),
         (4, at(r, DVec3::new(1.0, 1.0, -1.2), DVec3::new(-0.4, 0.7, 0.8))),
         (5, at(r, DVec3::ONE, DVec3::new(0.5, 0.6, 1.3))),

@@ -8,8 +8,8 @@ use pellucid::math::{Camera, LightLevels, LightRig};
 use pellucid::oracle::buckets::{Bucket, quantize_depth};
 use pellucid::oracle::stylize::{ColorMode, Tables};
 use pellucid::oracle::{
-    Fragment, Layers, Link, Neighbours, PackedKey, StoreData, WideKey, bucket_k_buffer, composite, curvature, neighbours,
-    rasterize, shade, stylize,
+    Fragment, Layers, Link, Neighbours, PackedKey, StoreData, View, WideKey, bucket_k_buffer, composite, curvature,
+    neighbours, rasterize, shade, stylize,
 };
 use pellucid::plan::{Capture, Pass};
 use pellucid::render::{Renderer, StoreReadback};
@@ -108,7 +108,14 @@ fn check_surface(at: &str, s: &StoreData, i: usize, f: &Fragment, depth_by: f64,
 }
 
 /// Raster: the fragments of every pixel.
-fn check_capture(what: &str, scene: &Scene, camera: &Camera, layers: &Layers, store: &StoreReadback, settings: &Settings) {
+fn check_capture(
+    what: &str,
+    scene: &Scene,
+    camera: &Camera,
+    layers: &Layers,
+    store: &StoreReadback,
+    settings: &Settings,
+) {
     let s = &store.layers;
     let view = view_of(camera, [s.width, s.height]);
     let slopes = Slopes::new(scene, camera);
@@ -121,9 +128,8 @@ fn check_capture(what: &str, scene: &Scene, camera: &Camera, layers: &Layers, st
     let (mut ambiguous, mut fragments, mut worst_normal) = (0, 0, 0.0_f64);
     for (pixel, expected) in layers.pixels.iter().enumerate() {
         fragments += expected.fragments.len();
-        let tolerance = |f: &Fragment| {
-            slopes.tolerance(f.triangle, f.position_in_view, view.pixel_size(f.depth), view.perspective)
-        };
+        let tolerance =
+            |f: &Fragment| slopes.tolerance(f.triangle, f.position_in_view, view.pixel_size(f.depth), view.perspective);
         let at = || format!("{what}, pixel {:?}", s.xy(pixel));
         let range = s.range(pixel);
         let mut last: Option<&Fragment> = None;
@@ -173,9 +179,8 @@ fn check_buckets(what: &str, all: &StoreData, store: &StoreReadback, capture: Ca
             _ => keys.len(),
         };
         let expected = bucket_k_buffer(&keys, k);
-        let row: Vec<WideKey> = range
-            .map(|i| WideKey { depth: s.depth_key[i], triangle: s.triangle[i], part: s.part[i] })
-            .collect();
+        let row: Vec<WideKey> =
+            range.map(|i| WideKey { depth: s.depth_key[i], triangle: s.triangle[i], part: s.part[i] }).collect();
         assert_eq!(row, expected.nearest, "{what}: row of pixel {pixel}");
         assert_eq!(s.overflowed[pixel], expected.overflowed, "{what}: pixel {pixel}");
         if let Some(found) = store.buckets.get(pixel) {
@@ -258,7 +263,14 @@ fn check_curvature(what: &str, scene: &Scene, camera: &Camera, store: &StoreRead
         }
         let off = (f64::from(found) - kappa).abs();
         worst = worst.max(off);
-        assert!(off <= 1e-3, "{what}: kappa of fragment {i} in pixel {:?}: {found} and {kappa}, sum {}, normal {:?}, links {:?}", s.xy(s.pixel_of_fragment()[i]), expected.sum[i], s.normal[i], store.links[i]);
+        assert!(
+            off <= 1e-3,
+            "{what}: kappa of fragment {i} in pixel {:?}: {found} and {kappa}, sum {}, normal {:?}, links {:?}",
+            s.xy(s.pixel_of_fragment()[i]),
+            expected.sum[i],
+            s.normal[i],
+            store.links[i]
+        );
     }
     println!("{what}: kappa differs by at most {worst:.1e}");
     report(&format!("{what}, curvature"), ambiguous, s.len());
@@ -285,7 +297,15 @@ fn check_colors(what: &str, found: &[[f32; 4]], expected: &[[f64; 4]]) {
 }
 
 /// All stages after the capture, and the picture.
-fn check_frame(r: &mut Renderer, what: &str, scene: &Scene, camera: &Camera, settings: &Settings, size: [u32; 2], all: &StoreData) {
+fn check_frame(
+    r: &mut Renderer,
+    what: &str,
+    scene: &Scene,
+    camera: &Camera,
+    settings: &Settings,
+    size: [u32; 2],
+    all: &StoreData,
+) {
     let transfer = settings.opacity.transfer.resolve(None).expect("transfer function");
     let shot = draw(r, scene, camera, settings, size);
     let plan = &shot.frame.report.plan;
@@ -312,7 +332,15 @@ fn check_frame(r: &mut Renderer, what: &str, scene: &Scene, camera: &Camera, set
     let lit_with_alpha: Vec<[f64; 4]> =
         lit.iter().zip(&layers.base_color).map(|(c, b)| [c[0], c[1], c[2], f64::from(b[3])]).collect();
     check_colors(&format!("{what}, light"), &plain.store.lit, &lit_with_alpha);
-    let half: Vec<[f64; 4]> = plain.store.lit.iter().map(|c| { let c = c.map(f64::from); [c[0], c[1], c[2], 0.5 * c[3]] }).collect();
+    let half: Vec<[f64; 4]> = plain
+        .store
+        .lit
+        .iter()
+        .map(|c| {
+            let c = c.map(f64::from);
+            [c[0], c[1], c[2], 0.5 * c[3]]
+        })
+        .collect();
     check_image(&format!("{what}, constant"), layers, &half, &plain);
 
     if plan.features.is_some() {
@@ -320,8 +348,11 @@ fn check_frame(r: &mut Renderer, what: &str, scene: &Scene, camera: &Camera, set
         check_curvature(what, scene, camera, store, settings);
     }
     if plan.runs(Pass::Stylize) {
-        let kappa: Vec<f64> =
-            if store.kappa.is_empty() { vec![0.0; store.layers.len()] } else { store.kappa.iter().map(|&k| f64::from(k)).collect() };
+        let kappa: Vec<f64> = if store.kappa.is_empty() {
+            vec![0.0; store.layers.len()]
+        } else {
+            store.kappa.iter().map(|&k| f64::from(k)).collect()
+        };
         // Which of two tied packed fragments is stored is a race, so light is computed from this frame's own store.
         let lit: Vec<[f64; 3]> = if packed {
             shade::shade(&store.layers, &view, &rig(&settings.light))
@@ -363,7 +394,9 @@ fn check_all(r: &mut Renderer, name: &str, scene: &Scene, camera: &Camera, size:
         } else {
             "kind=compacted model=constant".to_owned()
         };
-        let all = everything.entry(source.clone()).or_insert_with(|| draw(r, scene, camera, &settings(&source), size).store.layers);
+        let all = everything
+            .entry(source.clone())
+            .or_insert_with(|| draw(r, scene, camera, &settings(&source), size).store.layers);
         let all = all.clone();
         check_frame(r, &what, scene, camera, &s, size, &all);
         if !packed {
@@ -405,7 +438,9 @@ fn matrix() -> Vec<String> {
                 for unit in ["view", "part", "scene", "world"] {
                     for search in ["buckets reverse=true", "buckets reverse=false", "brute_force reverse=true"] {
                         for shape in ["radius=0 line=0 crease=180", "radius=0.04 line=0.02 crease=25", ""] {
-                            rows.push(format!("{capture} normals={normals} curvature={curvature} unit={unit} search={search} {shape}"));
+                            rows.push(format!(
+                                "{capture} normals={normals} curvature={curvature} unit={unit} search={search} {shape}"
+                            ));
                         }
                     }
                 }
@@ -434,7 +469,8 @@ fn loose_triangles_equal_the_oracle() {
     for (seed, orthographic) in [(5, true), (6, false)] {
         let scene = meshes::soups(seed, 7, 12);
         let camera = camera(&scene, orthographic);
-        let rows = ["kind=compacted", "kind=bkb k=16 curvature=view_centred", "kind=bkb k=8 unit=part search=brute_force"];
+        let rows =
+            ["kind=compacted", "kind=bkb k=16 curvature=view_centred", "kind=bkb k=8 unit=part search=brute_force"];
         check_all(&mut r, &format!("soup {seed}"), &scene, &camera, [64, 33], &rows);
     }
 }
@@ -509,37 +545,51 @@ fn packed_depths_are_the_quantized_ones() {
     }
 }
 
+/// Offsets of the samples of a pixel: the R2 sequence.
+fn jitter(sample: u32, samples: u32) -> DVec2 {
+    let at = |a: f64| (0.5 + a * f64::from(sample)).fract() - 0.5;
+    if samples == 1 { DVec2::ZERO } else { DVec2::new(at(0.754_877_666_246_692_7), at(0.569_840_290_998_053_3)) }
+}
+
 /// The whole way in f64, from the scene alone: what a user sees.
 #[test]
 fn the_picture_equals_the_oracle_from_scene_to_colour() {
     let Some(mut r) = renderer() else { return };
-    for orthographic in [false, true] {
+    for (orthographic, samples) in [(false, 1), (true, 1), (false, 4), (true, 3)] {
         let scene = meshes::assembly(4);
         let camera = camera(&scene, orthographic);
         let size = [64, 64];
-        let s = with_transfer(settings("light.rim=0.5"), lively());
+        let s = with_transfer(settings(&format!("light.rim=0.5 image.samples={samples}")), lively());
         let shot = draw(&mut r, &scene, &camera, &s, size);
-        let layers = rasterize(&scene, &camera, size, DVec2::ZERO);
-        let store = StoreData::from_layers(&layers);
-        let (view, extents) = (view_of(&camera, size), extents_of(&scene, &camera));
-        let links = neighbours(&store, &extents, true);
-        let bent = curvature(&store, &links, &view, &extents, &s.features.curvature);
-        let lit = shade::shade(&store, &view, &rig(&s.light));
-        let colors = stylize::stylize(&store, &lit, &bent.kappa, &extents, &s.opacity, &tables(&lively()));
-        let image = composite::front_to_back(&store, &colors, None);
+        let extents = extents_of(&scene, &camera);
+        let mut image = vec![[0.0_f64; 4]; 64 * 64];
+        for sample in 0..samples {
+            let jitter = jitter(sample, samples);
+            let store = StoreData::from_layers(&rasterize(&scene, &camera, size, jitter));
+            let view = View::new(&camera, size, jitter);
+            let links = neighbours(&store, &extents, true);
+            let bent = curvature(&store, &links, &view, &extents, &s.features.curvature);
+            let lit = shade::shade(&store, &view, &rig(&s.light));
+            let colors = stylize::stylize(&store, &lit, &bent.kappa, &extents, &s.opacity, &tables(&lively()));
+            for (sum, c) in image.iter_mut().zip(composite::front_to_back(&store, &colors, None)) {
+                *sum = std::array::from_fn(|i| sum[i] + c[i] / f64::from(samples));
+            }
+        }
+        let over_white = |c: f64, a: f64| encoded(c + 1.0 - a);
         let mut off: Vec<f64> = image
             .iter()
             .zip(&shot.frame.image.pixels)
             .map(|(e, f)| {
-                // Over white, as it is shown.
-                (0..3)
-                    .map(|c| (encoded(e[c] + 1.0 - e[3]) - encoded(f64::from(f[c]) + 1.0 - f64::from(f[3]))).abs())
-                    .fold(0.0, f64::max)
+                let f = f.map(f64::from);
+                (0..3).map(|c| (over_white(e[c], e[3]) - over_white(f[c], f[3])).abs()).fold(0.0, f64::max)
             })
             .collect();
         let beyond = off.iter().filter(|&&o| o > 1.0 / 255.0).count() as f64 / off.len() as f64;
-        println!("orthographic {orthographic}: {:.2} % of pixels beyond 1/255, median {:.3}/255, p99 {:.2}/255", 100.0 * beyond, 255.0 * percentile(&mut off, 0.5), 255.0 * percentile(&mut off, 0.99));
-        assert!(percentile(&mut off, 0.5) < 0.5 / 255.0);
-        assert!(beyond < 0.05, "{beyond}");
+        let (median, p99) = (255.0 * percentile(&mut off, 0.5), 255.0 * percentile(&mut off, 0.99));
+        println!(
+            "orthographic {orthographic}, {samples} samples: {:.2} % of pixels beyond 1/255, median {median:.3}/255, p99 {p99:.2}/255",
+            100.0 * beyond
+        );
+        assert!(beyond <= AMBIGUOUS, "{beyond}");
     }
 }

@@ -25,7 +25,14 @@ fn changed(module: &str, from: &str, to: &str) -> String {
 }
 
 /// Draws with a changed shader module.
-fn draw_changed(r: &mut Renderer, change: (&str, &str, &str), scene: &Scene, camera: &Camera, pairs: &str, size: [u32; 2]) -> Shot {
+fn draw_changed(
+    r: &mut Renderer,
+    change: (&str, &str, &str),
+    scene: &Scene,
+    camera: &Camera,
+    pairs: &str,
+    size: [u32; 2],
+) -> Shot {
     r.replace_shader(change.0, Some(changed(change.0, change.1, change.2)));
     let shot = draw(r, scene, camera, &with_transfer(settings(pairs), lively()), size);
     r.replace_shader(change.0, None);
@@ -42,7 +49,10 @@ fn t01_equal_keys_lose_a_fragment_and_wide_keys_have_none() {
     // Two faces of one part in one place.
     let scene = meshes::stack(2, 0.0, |_| 0);
     let camera = front(&scene, false);
-    let packed = draw(&mut r, &scene, &camera, &settings("kind=bkb k=8 key=packed32 model=constant"), [32, 32]).frame.report.layers;
+    let packed = draw(&mut r, &scene, &camera, &settings("kind=bkb k=8 key=packed32 model=constant"), [32, 32])
+        .frame
+        .report
+        .layers;
     println!("packed: {} of {} fragments lost to an equal key", packed.merged, packed.rasterized);
     assert_eq!(packed.merged * 2, packed.rasterized);
     assert_eq!(packed.stored * 2, packed.rasterized);
@@ -86,13 +96,20 @@ fn t02_sixteen_bits_of_depth_are_not_enough() {
         let range = 2.0 * scene_of(0.0).bounds().bounding_sphere().radius;
         let scene = scene_of(share * range);
         let camera = front(&scene, true);
-        let packed = draw(&mut r, &scene, &camera, &settings("kind=bkb k=8 key=packed32 model=constant"), size).frame.report.layers;
+        let packed = draw(&mut r, &scene, &camera, &settings("kind=bkb k=8 key=packed32 model=constant"), size)
+            .frame
+            .report
+            .layers;
         let shot = draw(&mut r, &scene, &camera, &settings("kind=bkb k=8 model=constant"), size);
         let pairs = (0..shot.store.layers.counts.len())
             .filter(|&p| shot.store.layers.range(p).filter(|&i| shot.store.layers.part[i] == 0).count() == 2)
             .count();
         let merged = packed.merged as f64 / pairs as f64;
-        println!("{share:e} of the range apart: {:.1} % share a packed key (by calculation {:.0} %)", 100.0 * merged, 100.0 * expected);
+        println!(
+            "{share:e} of the range apart: {:.1} % share a packed key (by calculation {:.0} %)",
+            100.0 * merged,
+            100.0 * expected
+        );
         assert!((merged - expected).abs() < 0.04);
         assert_eq!(shot.frame.report.layers.merged, 0);
         assert_eq!(shot.frame.report.layers.stored, shot.frame.report.layers.rasterized);
@@ -110,8 +127,12 @@ fn t02_sixteen_bits_of_depth_are_not_enough() {
         projection: Projection::Perspective { fov_y: 0.025 },
     };
     let mut shares = Vec::new();
-    for row in ["key=packed32 depth=linear", "key=packed32 depth=z_over_w", "key=packed32 depth=reversed", "key=wide64"] {
-        let layers = draw(&mut r, &scene, &camera, &settings(&format!("kind=bkb k=4 model=constant {row}")), size).frame.report.layers;
+    for row in ["key=packed32 depth=linear", "key=packed32 depth=z_over_w", "key=packed32 depth=reversed", "key=wide64"]
+    {
+        let layers = draw(&mut r, &scene, &camera, &settings(&format!("kind=bkb k=4 model=constant {row}")), size)
+            .frame
+            .report
+            .layers;
         let share = 2.0 * layers.merged as f64 / layers.rasterized as f64;
         println!("1 apart at depth 900 of 1000, {row}: {:.1} % of the pairs are one", 100.0 * share);
         shares.push(share);
@@ -126,8 +147,18 @@ fn t03_a_fragment_without_a_slot_is_counted_as_lost() {
     let camera = camera(&scene, false);
     for (row, module, from, to) in [
         // The data pass sees other depths than the insertion did: the last bit of some.
-        ("k=24", "passes/capture/bucketed_k_buffer/search_key_wide64", "depth_key_of(v.position))", "depth_key_of(v.position) ^ u32(v.position.x < 20.0))"),
-        ("k=24 key=packed32", "passes/capture/bucketed_k_buffer/search_key_packed32", "packed_depth_of(v.position) << 16u", "(packed_depth_of(v.position) ^ u32(v.position.x < 20.0)) << 16u"),
+        (
+            "k=24",
+            "passes/capture/bucketed_k_buffer/search_key_wide64",
+            "depth_key_of(v.position))",
+            "depth_key_of(v.position) ^ u32(v.position.x < 20.0))",
+        ),
+        (
+            "k=24 key=packed32",
+            "passes/capture/bucketed_k_buffer/search_key_packed32",
+            "packed_depth_of(v.position) << 16u",
+            "(packed_depth_of(v.position) ^ u32(v.position.x < 20.0)) << 16u",
+        ),
     ] {
         for rest in ["", "model=constant", "search=brute_force"] {
             let row = format!("kind=bkb {row} {rest}");
@@ -183,7 +214,8 @@ fn t05_overflow_is_counted_and_the_tail_does_not_depend_on_order() {
     for (i, part) in scene.meshes.iter_mut().enumerate() {
         part.primitives[0].material = i;
     }
-    scene.materials = (0..4).map(|i| meshes::material([0.2 + 0.2 * i as f32, 0.9 - 0.2 * i as f32, 0.5, 1.0], 0.0, 0.6)).collect();
+    scene.materials =
+        (0..4).map(|i| meshes::material([0.2 + 0.2 * i as f32, 0.9 - 0.2 * i as f32, 0.5, 1.0], 0.0, 0.6)).collect();
     let camera = front(&scene, true);
     let size = [32, 32];
     for model in ["model=constant constant=0.1", ""] {
@@ -226,17 +258,30 @@ fn t06_a_full_bucket_table_is_searched_to_its_end_and_no_further() {
     let mut scene = meshes::stack(8, 0.1, |i| (7 + 8 * i) as usize);
     scene.meshes[0].primitives[0] = meshes::moved(meshes::square(0.4, 0.0), DVec3::new(1.4, 0.0, 0.0));
     let scene = scene.finish().expect("a small scene");
-    let camera = Camera { focal_point: DVec3::new(0.2, 0.0, 0.0), position: DVec3::new(0.2, 0.0, 6.0), ..front(&scene, false) };
+    let camera =
+        Camera { focal_point: DVec3::new(0.2, 0.0, 0.0), position: DVec3::new(0.2, 0.0, 6.0), ..front(&scene, false) };
     let shot = ours(&mut r, &scene, &camera, &format!("kind=bkb k={k}"), [40, 40]);
     let store = &shot.store;
     let mut full = 0;
     for pixel in 0..store.layers.counts.len() {
-        let keys: Vec<WideKey> = store.layers.range(pixel).map(|i| WideKey { depth: store.layers.depth_key[i], triangle: store.layers.triangle[i], part: store.layers.part[i] }).collect();
+        let keys: Vec<WideKey> = store
+            .layers
+            .range(pixel)
+            .map(|i| WideKey {
+                depth: store.layers.depth_key[i],
+                triangle: store.layers.triangle[i],
+                part: store.layers.part[i],
+            })
+            .collect();
         if keys.is_empty() {
             continue;
         }
         let expected = bucket_k_buffer(&keys, k).table;
-        let found: Vec<_> = store.buckets[pixel].table.iter().map(|s| s.map(|(shape, a, b)| Bucket { shape, first: a as usize, last: b as usize - 1 })).collect();
+        let found: Vec<_> = store.buckets[pixel]
+            .table
+            .iter()
+            .map(|s| s.map(|(shape, a, b)| Bucket { shape, first: a as usize, last: b as usize - 1 }))
+            .collect();
         assert_eq!(found, expected);
         full += usize::from(found.iter().all(Option::is_some));
     }
@@ -282,23 +327,37 @@ fn t08_curvature_stays_finite_at_grazing_angles() {
     let camera = front(&scene, true);
     let size = [128, 128];
     let sums = |r: &mut Renderer, kind: &str| {
-        let shot = ours(r, &scene, &camera, &format!("curvature={kind} unit=world scale=0.004 radius=0 line=0 crease=180"), size);
+        let shot = ours(
+            r,
+            &scene,
+            &camera,
+            &format!("curvature={kind} unit=world scale=0.004 radius=0 line=0 crease=180"),
+            size,
+        );
         assert_finite(&shot, kind);
         let layers = &shot.store.layers;
         let mut sums: Vec<f64> = (0..layers.len())
-            .filter(|&i| layers.side[i] && (f64::from(layers.normal[i][2]) - 0.3).abs() < 0.02 && !shot.store.links[i].contains(&Link::Missing))
+            .filter(|&i| {
+                layers.side[i]
+                    && (f64::from(layers.normal[i][2]) - 0.3).abs() < 0.02
+                    && !shot.store.links[i].contains(&Link::Missing)
+            })
             .map(|i| -f64::from(shot.store.kappa[i]).atanh() / 0.004)
             .collect();
         assert!(sums.len() > 50);
         percentile(&mut sums, 0.5)
     };
     let (surface, view_centred) = (sums(&mut r, "surface"), sums(&mut r, "view_centred"));
-    println!("sphere of radius 1 at n·v = 0.3: surface {surface:.3} (2 by calculation), view-centred {view_centred:.2}, {:.1} times", view_centred / surface);
+    println!(
+        "sphere of radius 1 at n·v = 0.3: surface {surface:.3} (2 by calculation), view-centred {view_centred:.2}, {:.1} times",
+        view_centred / surface
+    );
     assert!((surface - 2.0).abs() < 0.04 && view_centred > 12.0 * surface);
     // The largest sensitivity, on surfaces seen edge-on and on loose triangles.
     for scene in [scene.clone(), meshes::soups(81, 4, 40), meshes::assembly(8)] {
         for kind in ["surface", "view_centred"] {
-            let shot = ours(&mut r, &scene, &camera, &format!("curvature={kind} unit=scene scale=1000 radius=0.05"), [48, 48]);
+            let shot =
+                ours(&mut r, &scene, &camera, &format!("curvature={kind} unit=scene scale=1000 radius=0.05"), [48, 48]);
             assert_finite(&shot, kind);
         }
     }

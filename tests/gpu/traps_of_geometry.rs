@@ -26,9 +26,15 @@ fn t26_faint_layers_do_not_vanish_and_both_directions_agree() {
     scene.materials[0] = Material { unlit: true, ..meshes::material([0.02, 0.3, 0.9, 1.0], 0.0, 1.0) };
     let camera = front(&scene, true);
     for capture in ["kind=compacted", "kind=bkb k=32", "kind=bkb k=32 key=packed32"] {
-        let shot = draw(&mut r, &scene, &camera, &settings(&format!("{capture} model=constant constant=0.01")), [16, 16]);
+        let shot =
+            draw(&mut r, &scene, &camera, &settings(&format!("{capture} model=constant constant=0.01")), [16, 16]);
         let layers = &shot.store.layers;
-        let colors: Vec<[f64; 4]> = shot.store.lit.iter().map(|c| [f64::from(c[0]), f64::from(c[1]), f64::from(c[2]), 0.01 * f64::from(c[3])]).collect();
+        let colors: Vec<[f64; 4]> = shot
+            .store
+            .lit
+            .iter()
+            .map(|c| [f64::from(c[0]), f64::from(c[1]), f64::from(c[2]), 0.01 * f64::from(c[3])])
+            .collect();
         let forth = composite::front_to_back(layers, &colors, None);
         let back = composite::back_to_front(layers, &colors, None);
         let covered = layers.counts.iter().position(|&c| c == 32).expect("a pixel with all layers");
@@ -56,13 +62,25 @@ fn t26_faint_layers_do_not_vanish_and_both_directions_agree() {
     }
     // The paper's RGBA8 holds sRGB: dark colours keep their steps, which linear 8 bits would not.
     let mut random = Random(26);
-    let mut scene = meshes::parts((0..24).map(|i| meshes::moved(meshes::square(0.5, 0.0), DVec3::new(f64::from(i % 6), f64::from(i / 6), 0.0))).collect());
-    scene.materials = (0..24).map(|_| { let c = [0; 3].map(|_| linear_from_srgb(random.unit() * 0.3) as f32); Material { unlit: true, ..meshes::material([c[0], c[1], c[2], 1.0], 0.0, 1.0) } }).collect();
+    let mut scene = meshes::parts(
+        (0..24)
+            .map(|i| meshes::moved(meshes::square(0.5, 0.0), DVec3::new(f64::from(i % 6), f64::from(i / 6), 0.0)))
+            .collect(),
+    );
+    scene.materials = (0..24)
+        .map(|_| {
+            let c = [0; 3].map(|_| linear_from_srgb(random.unit() * 0.3) as f32);
+            Material { unlit: true, ..meshes::material([c[0], c[1], c[2], 1.0], 0.0, 1.0) }
+        })
+        .collect();
     for (i, mesh) in scene.meshes.iter_mut().enumerate() {
         mesh.primitives[0].material = i;
     }
     let (mut stored, mut linear) = (0.0_f64, 0.0_f64);
-    let store = draw(&mut r, &scene, &front(&scene, true), &settings("kind=bkb k=2 key=packed32 model=constant"), [32, 32]).store.layers;
+    let store =
+        draw(&mut r, &scene, &front(&scene, true), &settings("kind=bkb k=2 key=packed32 model=constant"), [32, 32])
+            .store
+            .layers;
     assert!(store.len() > 300);
     for i in 0..store.len() {
         for c in 0..3 {
@@ -82,8 +100,17 @@ fn t29_degenerate_triangles_and_broken_numbers() {
     let ball = meshes::sphere(1.0, 24, 12);
     let (nan, inf) = (f32::NAN, f32::INFINITY);
     let mut broken = Primitive::default();
-    let bad = [[nan; 3], [inf, 0.0, 0.0], [0.0, -inf, nan], [3e38, -3e38, 3e38], [0.1, 0.2, 0.3], [0.2, 0.2, 0.3], [0.3, 0.2, 0.3]];
-    let normals = [[nan; 3], [0.0; 3], [inf, 0.0, 0.0], [1e-30, 0.0, 0.0], [0.0, 0.0, 1.0], [3e38; 3], [-1.0, 0.0, 0.0]];
+    let bad = [
+        [nan; 3],
+        [inf, 0.0, 0.0],
+        [0.0, -inf, nan],
+        [3e38, -3e38, 3e38],
+        [0.1, 0.2, 0.3],
+        [0.2, 0.2, 0.3],
+        [0.3, 0.2, 0.3],
+    ];
+    let normals =
+        [[nan; 3], [0.0; 3], [inf, 0.0, 0.0], [1e-30, 0.0, 0.0], [0.0, 0.0, 1.0], [3e38; 3], [-1.0, 0.0, 0.0]];
     for i in 0..bad.len() as u32 {
         for j in 0..bad.len() as u32 {
             for k in 0..bad.len() as u32 {
@@ -96,16 +123,42 @@ fn t29_degenerate_triangles_and_broken_numbers() {
     let mut odd = ball.clone();
     odd.normals.iter_mut().enumerate().for_each(|(i, n)| *n = normals[i % 7]);
     let scenes = [
-        ("no area", meshes::parts(vec![ball.clone(), Primitive { triangles: vec![[0, 0, 1], [2, 2, 2], [0, 1, 0]], ..ball.clone() }])),
+        (
+            "no area",
+            meshes::parts(vec![
+                ball.clone(),
+                Primitive { triangles: vec![[0, 0, 1], [2, 2, 2], [0, 1, 0]], ..ball.clone() },
+            ]),
+        ),
         ("broken normals", meshes::parts(vec![odd, ball.clone()])),
         ("broken positions", meshes::parts(vec![broken, ball.clone()])),
         ("nothing", Scene::default().finish().expect("an empty scene")),
-        ("one point", meshes::parts(vec![Primitive { positions: vec![[1.0; 3]; 3], normals: vec![[0.0, 0.0, 1.0]; 3], triangles: vec![[0, 1, 2]], ..Primitive::default() }])),
-        ("flattened", meshes::scene(meshes::grey(), vec![meshes::mesh("", ball.clone())], vec![(0, DMat4::from_scale(DVec3::new(1.0, 1.0, 0.0))), (0, DMat4::from_scale(DVec3::ZERO))])),
+        (
+            "one point",
+            meshes::parts(vec![Primitive {
+                positions: vec![[1.0; 3]; 3],
+                normals: vec![[0.0, 0.0, 1.0]; 3],
+                triangles: vec![[0, 1, 2]],
+                ..Primitive::default()
+            }]),
+        ),
+        (
+            "flattened",
+            meshes::scene(
+                meshes::grey(),
+                vec![meshes::mesh("", ball.clone())],
+                vec![(0, DMat4::from_scale(DVec3::new(1.0, 1.0, 0.0))), (0, DMat4::from_scale(DVec3::ZERO))],
+            ),
+        ),
     ];
     for (name, scene) in &scenes {
         for orthographic in [false, true] {
-            for row in ["unit=part", "kind=bkb k=4 tail=average unit=part", "kind=bkb k=4 key=packed32 curvature=view_centred", "model=opaque"] {
+            for row in [
+                "unit=part",
+                "kind=bkb k=4 tail=average unit=part",
+                "kind=bkb k=4 key=packed32 curvature=view_centred",
+                "model=opaque",
+            ] {
                 for size in [[33, 20], [1, 1], [1, 40]] {
                     let shot = lively_draw(&mut r, scene, &camera(scene, orthographic), row, size);
                     assert_finite(&shot, &format!("{name}, {row}"));
@@ -114,7 +167,13 @@ fn t29_degenerate_triangles_and_broken_numbers() {
         }
     }
     // Triangles without area add nothing, and a broken normal is the triangle's own.
-    let plain = lively_draw(&mut r, &meshes::parts(vec![ball.clone(), ball.clone()]), &camera(&scenes[0].1, false), "", [48, 48]);
+    let plain = lively_draw(
+        &mut r,
+        &meshes::parts(vec![ball.clone(), ball.clone()]),
+        &camera(&scenes[0].1, false),
+        "",
+        [48, 48],
+    );
     let alone = lively_draw(&mut r, &scenes[0].1, &camera(&scenes[0].1, false), "", [48, 48]);
     assert_eq!(plain.store.layers.len(), 2 * alone.store.layers.len());
     for orthographic in [false, true] {
@@ -127,7 +186,8 @@ fn t29_degenerate_triangles_and_broken_numbers() {
         let mut worst = 0.0_f64;
         let mut compared = 0;
         for (pixel, expected) in layers.pixels.iter().enumerate().filter(|(_, p)| p.fragments.len() == 2) {
-            for (i, f) in store.range(pixel).zip(&expected.fragments).filter(|(i, f)| store.triangle[*i] == f.triangle) {
+            for (i, f) in store.range(pixel).zip(&expected.fragments).filter(|(i, f)| store.triangle[*i] == f.triangle)
+            {
                 // Edge-on a plane is found less exactly from how depth changes over a pixel.
                 if f.normal_in_view.dot(DVec3::Z) > 0.1 {
                     worst = worst.max((Vec3::from(store.normal[i]).as_dvec3() - f.normal_in_view).length());
@@ -135,7 +195,10 @@ fn t29_degenerate_triangles_and_broken_numbers() {
                 }
             }
         }
-        println!("orthographic {orthographic}: without normals, off by {:.3}° from the triangle's own in {compared} fragments", worst.to_degrees());
+        println!(
+            "orthographic {orthographic}: without normals, off by {:.3}° from the triangle's own in {compared} fragments",
+            worst.to_degrees()
+        );
         assert!(compared > 800 && worst < 0.01);
     }
 }
@@ -148,7 +211,14 @@ fn t29_far_from_the_origin_and_extreme_sizes() {
     let size = [48, 48];
     let near = lively_draw(&mut r, &scene, &camera, "", size);
     let compare = |shot: &Shot, what: &str| {
-        let beyond = near.frame.image.pixels.iter().zip(&shot.frame.image.pixels).filter(|(a, b)| (0..4).any(|c| (a[c] - b[c]).abs() > 1.0 / 255.0)).count();
+        let beyond = near
+            .frame
+            .image
+            .pixels
+            .iter()
+            .zip(&shot.frame.image.pixels)
+            .filter(|(a, b)| (0..4).any(|c| (a[c] - b[c]).abs() > 1.0 / 255.0))
+            .count();
         println!("{what}: {beyond} of {} pixels differ by more than 1/255", size[0] * size[1]);
         assert_finite(shot, what);
         assert!(beyond * 50 < near.frame.image.pixels.len(), "{what}: {beyond}");
@@ -166,7 +236,10 @@ fn t29_far_from_the_origin_and_extreme_sizes() {
     for by in [1e-6, 1e6] {
         let (other, other_camera) = scaled(&scene, &camera, by);
         compare(&lively_draw(&mut r, &other, &other_camera, "", size), &format!("{by:e} times as large"));
-        compare(&lively_draw(&mut r, &other, &other_camera, "kind=bkb k=30", size), &format!("{by:e} times as large, k-buffer"));
+        compare(
+            &lively_draw(&mut r, &other, &other_camera, "kind=bkb k=30", size),
+            &format!("{by:e} times as large, k-buffer"),
+        );
     }
 }
 
@@ -178,7 +251,12 @@ fn t29_a_camera_inside_and_one_pixel() {
     let mut random = Random(3);
     for i in 0..if full() { 20 } else { 4 } {
         let position = random.point(1.0);
-        let eye = Camera { position, focal_point: position + random.direction() * 0.7, view_up: DVec3::Y, projection: Projection::Perspective { fov_y: 1.2 } };
+        let eye = Camera {
+            position,
+            focal_point: position + random.direction() * 0.7,
+            view_up: DVec3::Y,
+            projection: Projection::Perspective { fov_y: 1.2 },
+        };
         let shot = lively_draw(&mut r, &scene, &eye, if i % 2 == 0 { "" } else { "kind=bkb k=20" }, size);
         assert_finite(&shot, "inside");
         let expected = rasterize(&scene, &eye, size, DVec2::ZERO);
@@ -187,14 +265,27 @@ fn t29_a_camera_inside_and_one_pixel() {
             clear += 1;
             same += usize::from(shot.store.layers.counts[pixel] as usize == p.fragments.len());
         }
-        println!("camera inside: {same} of {clear} unambiguous pixels have the oracle's layers, near {:.4}", eye.frustum(&scene.bounds()).near);
+        println!(
+            "camera inside: {same} of {clear} unambiguous pixels have the oracle's layers, near {:.4}",
+            eye.frustum(&scene.bounds()).near
+        );
         assert!(same == clear && clear > 1500);
         // One large triangle that reaches from behind the eye to far ahead.
-        let floor = Primitive { positions: vec![[-50.0, -0.5, 60.0], [50.0, -0.5, 60.0], [0.0, -0.5, -90.0]], normals: vec![[0.0, 1.0, 0.0]; 3], triangles: vec![[0, 1, 2]], ..Primitive::default() };
+        let floor = Primitive {
+            positions: vec![[-50.0, -0.5, 60.0], [50.0, -0.5, 60.0], [0.0, -0.5, -90.0]],
+            normals: vec![[0.0, 1.0, 0.0]; 3],
+            triangles: vec![[0, 1, 2]],
+            ..Primitive::default()
+        };
         let floor = meshes::parts(vec![floor]);
         let shot = lively_draw(&mut r, &floor, &eye, "", size);
         let expected = rasterize(&floor, &eye, size, DVec2::ZERO);
-        let wrong = expected.pixels.iter().enumerate().filter(|(i, p)| !p.ambiguous && shot.store.layers.counts[*i] as usize != p.fragments.len()).count();
+        let wrong = expected
+            .pixels
+            .iter()
+            .enumerate()
+            .filter(|(i, p)| !p.ambiguous && shot.store.layers.counts[*i] as usize != p.fragments.len())
+            .count();
         assert_eq!(wrong, 0, "crossing the near plane");
         assert_finite(&shot, "crossing");
         let one = lively_draw(&mut r, &scene, &eye, "", [1, 1]);
@@ -210,29 +301,59 @@ fn t30_gaps_of_a_millimetre_in_a_scene_of_a_kilometre() {
     let Some(mut r) = renderer() else { return };
     // Ten shells, 2 mm apart, each a part of its own, in a scene a kilometre across. Shells are numbered against depth,
     // so that a tie comes out in the wrong order.
-    let shell = |z: f64| meshes::grid(1, 1, |u, v| { let (x, y) = (8.0 * u - 4.0, 8.0 * v - 4.0); (DVec3::new(x, y, 0.3 * x + 0.2 * y + z), DVec3::Z) });
+    let shell = |z: f64| {
+        meshes::grid(1, 1, |u, v| {
+            let (x, y) = (8.0 * u - 4.0, 8.0 * v - 4.0);
+            (DVec3::new(x, y, 0.3 * x + 0.2 * y + z), DVec3::Z)
+        })
+    };
     let mut primitives: Vec<Primitive> = (0..10).map(|_| shell(0.0)).collect();
     primitives.push(meshes::moved(meshes::square(1.0, 0.0), DVec3::new(300.0, 400.0, -500.0)));
     primitives.push(meshes::moved(meshes::square(1.0, 0.0), DVec3::new(-300.0, -400.0, 500.0)));
-    let meshes_of = primitives.into_iter().map(|p| Mesh { name: String::new(), primitives: vec![p] }).collect::<Vec<_>>();
-    let nodes = (0..12).map(|i| Node::root("", Some(i), DMat4::from_translation(DVec3::Z * if i < 10 { -0.002 * (9.0 - i as f64) } else { 0.0 }))).collect();
-    let scene = Scene { materials: meshes::grey(), meshes: meshes_of, nodes, ..Scene::default() }.finish().expect("small");
-    let eye = Camera { position: DVec3::new(0.0, 0.0, 40.0), focal_point: DVec3::ZERO, view_up: DVec3::Y, projection: Projection::Perspective { fov_y: 0.25 } };
+    let meshes_of =
+        primitives.into_iter().map(|p| Mesh { name: String::new(), primitives: vec![p] }).collect::<Vec<_>>();
+    let nodes = (0..12)
+        .map(|i| {
+            Node::root(
+                "",
+                Some(i),
+                DMat4::from_translation(DVec3::Z * if i < 10 { -0.002 * (9.0 - i as f64) } else { 0.0 }),
+            )
+        })
+        .collect();
+    let scene =
+        Scene { materials: meshes::grey(), meshes: meshes_of, nodes, ..Scene::default() }.finish().expect("small");
+    let eye = Camera {
+        position: DVec3::new(0.0, 0.0, 40.0),
+        focal_point: DVec3::ZERO,
+        view_up: DVec3::Y,
+        projection: Projection::Perspective { fov_y: 0.25 },
+    };
     let size = [64, 64];
     let expected = rasterize(&scene, &eye, size, DVec2::ZERO);
     let mut results = Vec::new();
-    for row in ["kind=compacted", "kind=bkb k=12", "kind=bkb k=12 key=packed32 depth=linear", "kind=bkb k=12 key=packed32 depth=reversed"] {
+    for row in [
+        "kind=compacted",
+        "kind=bkb k=12",
+        "kind=bkb k=12 key=packed32 depth=linear",
+        "kind=bkb k=12 key=packed32 depth=reversed",
+    ] {
         let shot = draw(&mut r, &scene, &eye, &settings(&format!("model=constant {row}")), size);
         let store = &shot.store.layers;
         let (mut inversions, mut pairs) = (0, 0);
         for (pixel, p) in expected.pixels.iter().enumerate() {
-            let rank = |part: u32| p.fragments.iter().map(|f| (f.depth, f.part)).filter(|(_, other)| *other == part).map(|(d, _)| d).next();
+            let rank = |part: u32| {
+                p.fragments.iter().map(|f| (f.depth, f.part)).filter(|(_, other)| *other == part).map(|(d, _)| d).next()
+            };
             let depths: Vec<f64> = store.range(pixel).filter_map(|i| rank(store.part[i])).collect();
             pairs += depths.len().saturating_sub(1);
             inversions += depths.windows(2).filter(|w| w[0] > w[1]).count();
         }
         let layers = shot.frame.report.layers;
-        println!("{row}: {inversions} of {pairs} neighbouring layers in the wrong order, {} of {} fragments merged", layers.merged, layers.rasterized);
+        println!(
+            "{row}: {inversions} of {pairs} neighbouring layers in the wrong order, {} of {} fragments merged",
+            layers.merged, layers.rasterized
+        );
         results.push((inversions as f64 / pairs as f64, layers));
     }
     assert!(results[0].0 == 0.0 && results[1].0 == 0.0, "32 bits keep the order");
@@ -289,7 +410,10 @@ fn t31_tessellation_fades_with_the_radius_and_edges_stay() {
     for facets in [24, 48, 96] {
         let scene = meshes::parts(vec![banded_cylinder(&unequal(facets))]);
         let found: Vec<(f64, f64)> = [0.0, 0.02, 0.05].map(|radius| sums(&mut r, &scene, radius)).to_vec();
-        println!("{facets} unequal facets: spread of the curvature (1 on the smooth one) {:.3} with radius 0, {:.3} with 0.02, {:.3} with 0.05; median {:.3}", found[0].0, found[1].0, found[2].0, found[2].1);
+        println!(
+            "{facets} unequal facets: spread of the curvature (1 on the smooth one) {:.3} with radius 0, {:.3} with 0.02, {:.3} with 0.05; median {:.3}",
+            found[0].0, found[1].0, found[2].0, found[2].1
+        );
         // A radius smaller than a facet cannot average facets.
         assert!(found[2].0 < 0.75 * found[0].0, "{facets}: {found:?}");
         assert!((found[2].1 - 1.0).abs() < 0.15, "{facets}: {found:?}");
@@ -302,7 +426,9 @@ fn t31_tessellation_fades_with_the_radius_and_edges_stay() {
     for radius in [0.0, 0.02, 0.05] {
         let shot = lively_draw(&mut r, &cube, &eye, &format!("radius={radius} line=0.0"), size);
         let layers = &shot.store.layers;
-        let row: Vec<f32> = (0..size[0] as usize).filter_map(|x| layers.range(70 * 128 + x).next().map(|i| shot.store.kappa[i])).collect();
+        let row: Vec<f32> = (0..size[0] as usize)
+            .filter_map(|x| layers.range(70 * 128 + x).next().map(|i| shot.store.kappa[i]))
+            .collect();
         let inner = &row[3..row.len() - 3];
         let sharp = inner.iter().filter(|k| **k < -0.5).count();
         let flat = inner.iter().filter(|k| k.abs() < 0.02).count();
@@ -319,7 +445,8 @@ fn t31_tessellation_fades_with_the_radius_and_edges_stay() {
     }
     let flat = meshes::parts(vec![flat]);
     let largest = |r: &mut Renderer, row: &str| {
-        let shot = lively_draw(r, &flat, &front(&flat, true), &format!("unit=world scale=0.05 line=0 {row}"), size);
+        let shot =
+            lively_draw(r, &flat, &front(&flat, true), &format!("unit=world scale=0.05 line=0 {row}"), [224, 224]);
         let layers = &shot.store.layers;
         let mut sums: Vec<f64> = (0..layers.len())
             .filter(|&i| layers.side[i] && layers.normal[i][2] > 0.5 && !shot.store.links[i].contains(&Link::Missing))
@@ -327,8 +454,11 @@ fn t31_tessellation_fades_with_the_radius_and_edges_stay() {
             .collect();
         percentile(&mut sums, 1.0)
     };
-    let (printed, crease, ours) = (largest(&mut r, "radius=0 crease=180"), largest(&mut r, "radius=0 crease=5"), largest(&mut r, "radius=0.05"));
-    println!("flat-shaded, 36 facets of 10°: largest curvature {printed:.1} as printed, {crease:.1} where each is a crease, {ours:.2} with a radius (1 on the smooth one)");
+    let (printed, crease, ours) =
+        (largest(&mut r, "radius=0 crease=180"), largest(&mut r, "radius=0 crease=5"), largest(&mut r, "radius=0.05"));
+    println!(
+        "flat-shaded, 36 facets of 10°: largest curvature {printed:.1} as printed, {crease:.1} where each is a crease, {ours:.2} with a radius (1 on the smooth one)"
+    );
     assert!(printed > 3.0 && crease > 3.0 && ours < 2.0 && ours < 0.4 * printed);
 }
 
