@@ -3,7 +3,7 @@
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 use glam::{DVec2, DVec3};
-use pellucid::gpu::{Gpu, GpuOptions};
+use pellucid::gpu::{Gpu, GpuOptions, shader_files};
 use pellucid::math::Camera;
 use pellucid::oracle::{Extents, View};
 use pellucid::plan::Capture;
@@ -184,4 +184,12 @@ pub fn assert_finite(shot: &Shot, what: &str) {
     assert!(shot.store.kappa.iter().all(|k| k.is_finite() && k.abs() <= 1.0), "{what}: kappa");
     assert!(shot.store.layers.normal.iter().flatten().all(|v| v.is_finite()), "{what}: normals");
     assert!(shot.frame.report.layers.balanced(), "{what}: {:?}", shot.frame.report.layers);
+}
+
+/// Text of a shader module with a change.
+pub fn changed(module: &str, from: &str, to: &str) -> String {
+    let file = format!("{module}.wgsl");
+    let (_, text) = shader_files().into_iter().find(|(name, _)| *name == file).expect("a module");
+    assert!(text.contains(from), "{module} has no '{from}'");
+    text.replace(from, to)
 }

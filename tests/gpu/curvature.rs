@@ -75,15 +75,15 @@ fn found(
     let layers = &shot.store.layers;
     let pixel_of = layers.pixel_of_fragment();
     let mut all = Vec::new();
-    for i in 0..layers.len() {
+    for (i, &pixel) in pixel_of.iter().enumerate() {
         if shot.store.links[i].iter().any(|l| !matches!(l, Link::To(_))) {
             continue;
         }
-        let (x, y) = layers.xy(pixel_of[i]);
+        let (x, y) = layers.xy(pixel);
         let point = view.position(x, y, layers.depth[i]);
         let known = placed.known(point, view.to_eye(point));
         if known.facing > facing {
-            let layer = i - layers.range(pixel_of[i]).start;
+            let layer = i - layers.range(pixel).start;
             all.push(Found { x, y, layer, sum: -f64::from(shot.store.kappa[i]).atanh() / SCALE, known });
         }
     }

@@ -593,3 +593,62 @@ fn the_picture_equals_the_oracle_from_scene_to_colour() {
         assert!(beyond <= AMBIGUOUS, "{beyond}");
     }
 }
+
+/// Lets the panics of this thread pass without a message.
+fn quietly<T>(what: impl FnOnce() -> T) -> std::thread::Result<T> {
+    thread_local!(static QUIET: std::cell::Cell<bool> = const { std::cell::Cell::new(false) });
+    static HOOK: std::sync::Once = std::sync::Once::new();
+    HOOK.call_once(|| {
+        let loud = std::panic::take_hook();
+        std::panic::set_hook(Box::new(move |info| {
+            if !QUIET.get() {
+                loud(info);
+            }
+        }));
+    });
+    QUIET.set(true);
+    let result = std::panic::catch_unwind(std::panic::AssertUnwindSafe(what));
+    QUIET.set(false);
+    result
+}
+
+/// These tests can fail: an error planted in any stage is found by comparing that stage.
+#[test]
+fn planted_errors_are_found() {
+    let Some(mut r) = renderer() else { return };
+    let scene = meshes::assembly(1);
+    let camera = camera(&scene, false);
+    let rows = ["kind=bkb k=5 radius=0.04 line=0.02", "kind=compacted curvature=view_centred radius=0.04"];
+    let size = [80, 64];
+    for (module, from, to) in [
+        ("scene/material", "return front_facing != ", "return front_facing == "),
+        ("scene/instance", "dot(instance.normal_x.xyz, normal)", "dot(instance.view_x.xyz, normal)"),
+        ("common/packing", "(u32(m.unlit) << 24u)", "0u"),
+        ("store/normal_octahedral", "let p = n.xy /", "let p = n.yx /"),
+        ("passes/capture/bucketed_k_buffer/z_insertion", "i < k; i++", "i + 1u < k; i++"),
+        ("passes/capture/compacted/gather", "let source = base + sources[base + i];", "let source = base + i;"),
+        (
+            "passes/sort/elements_by_part",
+            "return vec2<u32>(parts[base + i], i);",
+            "return vec2<u32>(parts[base + i], 7u - i);",
+        ),
+        ("passes/buckets/bucket_creation", "var index = part % slots;", "var index = (part + 1u) % slots;"),
+        ("passes/features/neighbour_candidates", "+ dz * dz", "+ abs(dz)"),
+        ("passes/features/neighbour_candidates", "select(MISSING, UNKNOWN, overflowed(other))", "MISSING"),
+        ("passes/features/neighbour_links", "pixel + 1u, 1u, layer)", "pixel + 1u, 0u, layer)"),
+        ("passes/features/curvature", "- mean * axis.normal)", "- 0.9 * mean * axis.normal)"),
+        ("passes/features/curvature", "0.5 * curvature_parameters.line + 0.5", "0.5 * curvature_parameters.line + 0.6"),
+        ("passes/features/curvature", "max(normal.z, 0.05)", "max(normal.z, 0.3)"),
+        ("passes/features/curvature", "select(angle, -angle, convex)", "angle"),
+        ("common/lighting", "SHOULDER_START: f32 = 0.75", "SHOULDER_START: f32 = 0.6"),
+        ("passes/opacity/transfer", "max(2.0 * value - 1.0,", "max(2.0 * value - 0.95,"),
+        ("passes/opacity/transfer", "vec2<f32>(depth01, abs(kappa))", "vec2<f32>(abs(kappa), depth01)"),
+        ("passes/composite/blend", "transmitted *= 1.0 - alpha;", "transmitted *= 1.0 - 0.97 * alpha;"),
+    ] {
+        r.replace_shader(module, Some(changed(module, from, to)));
+        let found = quietly(|| check_all(&mut r, "planted", &scene, &camera, size, &rows)).is_err();
+        r.replace_shader(module, None);
+        assert!(found, "{module}: '{from}' became '{to}' and no comparison saw it");
+    }
+    check_all(&mut r, "nothing planted", &scene, &camera, size, &rows);
+}

@@ -16,14 +16,6 @@ use crate::captures::{scaled, with_far_part};
 use crate::common::*;
 use crate::meshes::{self, Random};
 
-/// Text of a shader module with a change.
-fn changed(module: &str, from: &str, to: &str) -> String {
-    let file = format!("{module}.wgsl");
-    let (_, text) = shader_files().into_iter().find(|(name, _)| *name == file).expect("a module");
-    assert!(text.contains(from), "{module} has no '{from}'");
-    text.replace(from, to)
-}
-
 /// Draws with a changed shader module.
 fn draw_changed(
     r: &mut Renderer,
