@@ -20,7 +20,7 @@ pub enum BenchCommand {
     /// Neighbour search and curvature by buckets over brute force, on the paper's synthetic stack of quads
     Buckets(BucketsArgs),
     /// A whole frame of a model: unsorted blend, both captures, plain and stylized
-    Frame(FrameArgs),
+    Frame(Box<FrameArgs>),
 }
 
 /// Options of `bench buckets`.
@@ -188,7 +188,7 @@ fn frame(args: &FrameArgs, progress: &Progress) -> Result<(), Failure> {
     let plain = ("opacity.model", "constant".to_owned());
     let [kind, layers] = bkb;
     let mut candidates = vec![
-        Candidate::new("unsorted blend", &scene, settings_of(&[plain.clone()])?, true)?,
+        Candidate::new("unsorted blend", &scene, settings_of(std::slice::from_ref(&plain))?, true)?,
         Candidate::new("compacted, plain", &scene, settings_of(&[compacted.clone(), plain.clone()])?, false)?,
         Candidate::new("compacted, stylized", &scene, settings_of(&[compacted])?, false)?,
         Candidate::new("k-buffer, plain", &scene, settings_of(&[kind.clone(), layers.clone(), plain])?, false)?,

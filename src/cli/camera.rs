@@ -265,13 +265,13 @@ mod tests {
 
     #[test]
     fn framing_follows_zoom_angle_and_projection() {
-        let radius = 3.0_f64.sqrt();
         let c = camera("--camera front --camera-zoom-factor 1 --camera-view-angle 60").unwrap();
-        assert!((c.distance() - radius / 0.5).abs() < 1e-9);
+        // The near face, 1 in front of the middle, touches the picture's edge.
+        assert!((c.distance() - (3.0_f64.sqrt() + 1.0)).abs() < 1e-9);
         let near = camera("--camera front --camera-zoom-factor 2 --camera-view-angle 60").unwrap();
-        assert!((c.distance() / near.distance() - 2.0).abs() < 1e-9);
+        assert!(((c.distance() - 1.0) / (near.distance() - 1.0) - 2.0).abs() < 1e-9);
         let flat = camera("--camera front --orthographic --camera-zoom-factor 1").unwrap();
-        assert!((flat.visible_height() - 2.0 * radius).abs() < 1e-9);
+        assert!((flat.visible_height() - 2.0).abs() < 1e-9);
     }
 
     #[test]
