@@ -463,12 +463,15 @@ fn ensure_fragments(renderer: &mut Renderer, plan: &FramePlan, fragments: u64) -
     }
     let layout = StoreLayout { k: 0, capacity: fragments as u32, _pad: [0; 2] };
     renderer.resources.set("store_layout", Resource::Buffer(gpu.uniform("store_layout", &layout)?));
-    aliases(renderer);
+    aliases(renderer, plan);
     Ok(())
 }
 
-/// Names under which shaders know the same buffer.
-fn aliases(renderer: &mut Renderer) {
+/// Names under which shaders know the same buffer. To be called whenever one of them may be another buffer.
+fn aliases(renderer: &mut Renderer, plan: &FramePlan) {
+    if plan.runs(Pass::NeighbourCandidates) && !plan.runs(Pass::NeighbourLinks) {
+        renderer.resources.alias("links", "candidates");
+    }
     for (alias, name) in [("atomic_keys", "keys"), ("key_words", "keys"), ("pixel_counts", "pixel_table")] {
         renderer.resources.alias(alias, name);
     }
@@ -527,9 +530,6 @@ fn bind_settings(
         let layout = StoreLayout { k, capacity: slots, _pad: [0; 2] };
         resources.set("store_layout", Resource::Buffer(gpu.uniform("store_layout", &layout)?));
     }
-    if !plan.runs(Pass::NeighbourLinks) {
-        resources.alias("links", "candidates");
-    }
-    aliases(renderer);
+    aliases(renderer, plan);
     Ok(())
 }

@@ -9,6 +9,7 @@ mod captures;
 mod common;
 mod curvature;
 mod meshes;
+mod pictures;
 mod stages;
 mod traps;
 mod traps_of_geometry;

@@ -301,7 +301,7 @@ fn t07_neighbours_do_not_depend_on_the_unit_of_length() {
     println!("times 1000: {differing} of {} links differ, kappa by {worst:e}", a.store.links.len());
     assert!(differing * 1000 <= a.store.links.len() && worst < 1e-3);
     // As printed, |Δz|² is not divided by the part's radius.
-    let printed = ("passes/features/neighbour_candidates", " * inverse_radius;", ";");
+    let printed = ("passes/features/neighbour_epsilon", " * seeker.inverse_radius;", ";");
     let a = draw_changed(&mut r, printed, &scene, &camera, "", size);
     let b = draw_changed(&mut r, printed, &large, &large_camera, "", size);
     println!("times 1000, as printed: {} of {} links differ", links(&a, &b), a.store.links.len());
@@ -402,7 +402,7 @@ fn t10_unknown_neighbours_make_no_silhouette() {
     assert!(shot.store.links.iter().flatten().all(|l| *l != Link::Missing));
     assert!(shot.store.links.iter().flatten().any(|l| *l == Link::Unknown));
     assert_eq!(rims(&shot), 0);
-    let printed = ("passes/features/neighbour_candidates", "vec4<u32>(UNKNOWN)", "vec4<u32>(MISSING)");
+    let printed = ("passes/features/candidates_brute_force", "return UNKNOWN;", "return MISSING;");
     let border = rims(&draw_changed(&mut r, printed, &scene, &camera, row, size));
     println!("a border of {border} fragments where beyond the image counts as missing, none where it is unknown");
     assert!(border > 100);
