@@ -8,7 +8,7 @@ use pellucid::math::{Camera, LightLevels, LightRig};
 use pellucid::oracle::buckets::{Bucket, quantize_depth};
 use pellucid::oracle::stylize::{ColorMode, Tables};
 use pellucid::oracle::{
-    Fragment, Layers, Link, Neighbours, PackedKey, StoreData, WideKey, bucket_k_buffer, composite, curvature,
+    Fragment, Layers, Link, Neighbours, PackedKey, StoreData, View, WideKey, bucket_k_buffer, composite, curvature,
     neighbours_expected, rasterize, shade, stylize,
 };
 use pellucid::plan::{Capture, Pass};
