@@ -159,8 +159,9 @@ fn the_default_shows_every_layer() {
     let f = resolve("pellucid");
     assert_eq!(TransferSource::default().resolve(None).unwrap(), f);
     assert_eq!(f.color.sample(0.0), [0.5; 3], "a flat face keeps its colour");
-    assert!(f.color.sample(-1.0)[0] > 0.75 && f.color.sample(1.0)[0] < 0.25);
-    assert!((0.06..=0.12).contains(&f.opacity.sample(0.0, 0.0)));
+    assert!(f.color.sample(-1.0)[0] > 0.6 && f.color.sample(1.0)[0] < 0.25);
+    // Ten flat walls in front of a part leave four fifths of it, and can still be told from none.
+    assert!((0.015..=0.05).contains(&f.opacity.sample(0.0, 0.0)));
     for i in 0..20 {
         for j in 0..=20 {
             let (a, b, c) = (f64::from(i) / 20.0, f64::from(i + 1) / 20.0, f64::from(j) / 20.0);

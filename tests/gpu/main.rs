@@ -10,6 +10,7 @@ mod common;
 mod curvature;
 mod meshes;
 mod pictures;
+mod raster;
 mod stages;
 mod traps;
 mod traps_of_geometry;
