@@ -1,3 +1,4 @@
+//@ use common/frame
 // Material constants, and the surface that a capture stores.
 
 struct Material {
@@ -37,11 +38,28 @@ fn normal_side(front_facing: bool, facing: u32) -> bool {
     return front_facing != ((facing & 1u) != 0u);
 }
 
-// Turns the interpolated normal to the viewer's side; a degenerate one becomes the direction to the eye.
-fn facing_normal(normal: vec3<f32>, side: bool) -> vec3<f32> {
+// The normal of the triangle that a fragment lies on, towards the viewer, from how its point moves across the image.
+fn geometric_normal(position: vec4<f32>) -> vec3<f32> {
+    let xy = frame.unproject.xy * (position.xy - 0.5) + frame.unproject.zw;
+    let depth = view_depth_of_z(clamp(position.z, 0.0, 1.0));
+    let point = vec3<f32>(select(xy * depth, xy, frame.orthographic != 0u), -depth);
+    let normal = cross(dpdy(point), dpdx(point));
+    let eye = to_eye(point);
+    let scale = max(abs(normal.x), max(abs(normal.y), abs(normal.z)));
+    if !(scale > 0.0 && scale < 3e38) {
+        return eye;
+    }
+    let unit = normalize(normal / scale);
+    return select(-unit, unit, dot(unit, eye) >= 0.0);
+}
+
+// Turns the interpolated normal to the viewer's side; for a degenerate one the triangle's own stands in. Needs every
+// invocation of the quad.
+fn facing_normal(normal: vec3<f32>, side: bool, position: vec4<f32>) -> vec3<f32> {
     let squared = dot(normal, normal);
-    if !(squared > 1e-20 && squared < 1e20) {
-        return vec3<f32>(0.0, 0.0, 1.0);
+    let geometric = geometric_normal(position);
+    if !(squared > 1e-8 && squared < 1e20) {
+        return geometric;
     }
     return normal * (inverseSqrt(squared) * select(-1.0, 1.0, side));
 }

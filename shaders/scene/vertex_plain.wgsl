@@ -37,7 +37,7 @@ fn is_cut_out(v: Varyings) -> bool {
 fn captured_surface(v: Varyings, front_facing: bool) -> Captured {
     let side = normal_side(front_facing, v.facing);
     var s: Captured;
-    s.normal = facing_normal(v.normal, side);
+    s.normal = facing_normal(v.normal, side, v.position);
     s.color = vec4<f32>(material.base_color.rgb, opacity_of_alpha(material.base_color.a));
     s.metallic = material.factors.x;
     s.roughness = material.factors.y;

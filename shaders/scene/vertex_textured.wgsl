@@ -92,7 +92,7 @@ fn captured_surface(v: Varyings, front_facing: bool) -> Captured {
             normal = t * (sampled.x * scale) + b * (sampled.y * scale) + unit * max(sampled.z, 1e-3);
         }
     }
-    s.normal = facing_normal(normal, side);
+    s.normal = facing_normal(normal, side, v.position);
     s.color = vec4<f32>(color.rgb, opacity_of_alpha(color.a));
     s.metallic = material.factors.x;
     s.roughness = material.factors.y;

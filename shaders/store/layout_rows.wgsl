@@ -24,7 +24,7 @@ fn overflowed(pixel: u32) -> bool {
     return (pixel_table[pixel] & 0x80000000u) != 0u;
 }
 
-// Slots of the pixel's bucket table.
+// Slots of the pixel's bucket table. A pixel without layers has none: its table still holds another frame's.
 fn bucket_slots(pixel: u32) -> u32 {
-    return store_layout.k;
+    return select(store_layout.k, 0u, layer_count(pixel) == 0u);
 }

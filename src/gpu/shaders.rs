@@ -107,12 +107,17 @@ pub fn shader_files() -> Vec<(String, &'static str)> {
 /// # Errors
 /// [`GpuError::Shader`] if a file does not exist.
 pub fn compose(spec: &ShaderSpec) -> Result<Composed, GpuError> {
+    compose_with(spec, &HashMap::new())
+}
+
+/// [`compose`], with other texts for some of the modules.
+fn compose_with(spec: &ShaderSpec, replaced: &HashMap<String, String>) -> Result<Composed, GpuError> {
     let mut composed = Composed { text: String::new(), lines: Vec::new(), files: Vec::new() };
     let header: String = spec.constants.iter().map(|(name, value)| format!("const {name} = {value};\n")).collect();
     composed.append("<constants>", &header);
     let mut seen = Vec::new();
     for file in std::iter::once(&spec.root).chain(&spec.modules) {
-        include(file, "<pass>", 0, &mut seen, &mut composed)?;
+        include(file, ("<pass>", 0), replaced, &mut seen, &mut composed)?;
     }
     composed.append("<generated>", &spec.generated);
     Ok(composed)
@@ -120,8 +125,8 @@ pub fn compose(spec: &ShaderSpec) -> Result<Composed, GpuError> {
 
 fn include(
     module: &str,
-    from: &str,
-    line: u32,
+    (from, line): (&str, u32),
+    replaced: &HashMap<String, String>,
     seen: &mut Vec<String>,
     composed: &mut Composed,
 ) -> Result<(), GpuError> {
@@ -130,13 +135,14 @@ fn include(
     }
     seen.push(module.to_owned());
     let file = format!("{module}.wgsl");
-    let text = FILES.get_file(&file).and_then(|f| f.contents_utf8()).ok_or_else(|| GpuError::Shader {
+    let own = FILES.get_file(&file).and_then(|f| f.contents_utf8());
+    let text = replaced.get(module).map(String::as_str).or(own).ok_or_else(|| GpuError::Shader {
         file: from.to_owned(),
         line,
         reason: format!("there is no module '{module}'"),
     })?;
     for (number, used) in text.lines().enumerate().filter_map(|(n, l)| Some((n, l.strip_prefix("//@ use ")?))) {
-        include(used.trim(), &file, number as u32 + 1, seen, composed)?;
+        include(used.trim(), (&file, number as u32 + 1), replaced, seen, composed)?;
     }
     composed.append(&file, text);
     Ok(())
@@ -149,6 +155,7 @@ pub struct Shaders {
     pub shared: SharedLayouts,
     kernels: Mutex<HashMap<u64, Arc<Kernel>>>,
     raster: Mutex<HashMap<u64, Arc<RasterKernel>>>,
+    replaced: HashMap<String, String>,
 }
 
 fn key_of(parts: &[&str]) -> u64 {
@@ -165,7 +172,17 @@ impl Shaders {
             shared: SharedLayouts::new(gpu),
             kernels: Mutex::default(),
             raster: Mutex::default(),
+            replaced: HashMap::new(),
         }
+    }
+
+    /// Lets another text stand in for a module from now on, or the module's own again for `None`. For tests that plant
+    /// an error and see that it is found.
+    pub fn replace(&mut self, module: &str, text: Option<String>) {
+        match text {
+            Some(text) => self.replaced.insert(module.to_owned(), text),
+            None => self.replaced.remove(module),
+        };
     }
 
     /// The compute pipeline of an entry point.
@@ -173,7 +190,7 @@ impl Shaders {
     /// # Errors
     /// [`GpuError::Shader`] if it does not compile.
     pub fn kernel(&self, spec: &ShaderSpec, entry: &str) -> Result<Arc<Kernel>, GpuError> {
-        let composed = compose(spec)?;
+        let composed = compose_with(spec, &self.replaced)?;
         let key = key_of(&[&composed.text, entry]);
         let mut kernels = self.kernels.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         if let Some(kernel) = kernels.get(&key) {
@@ -189,7 +206,7 @@ impl Shaders {
     /// # Errors
     /// [`GpuError::Shader`] if it does not compile.
     pub fn raster(&self, spec: &ShaderSpec, raster: &RasterSpec) -> Result<Arc<RasterKernel>, GpuError> {
-        let composed = compose(spec)?;
+        let composed = compose_with(spec, &self.replaced)?;
         let key = key_of(&[&composed.text, &format!("{raster:?}")]);
         let mut kernels = self.raster.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         if let Some(kernel) = kernels.get(&key) {

@@ -151,7 +151,8 @@ impl Camera {
     /// Near and far depth for a scene inside `bounds`, with a margin so that nothing touches either plane.
     ///
     /// A perspective near plane never comes closer than 1/10 000 of the far depth, so an eye inside the model (T29)
-    /// keeps a usable range; what lies nearer is clipped.
+    /// keeps a usable range; what lies nearer is clipped. It is rounded down to a power of two: depths under another
+    /// near plane (a far part came or went) then have the same mantissas, and the same picture bit for bit (T7).
     pub fn frustum(&self, bounds: &Bounds) -> ViewFrustum {
         let view_from_world = self.view_from_world();
         let depths = if bounds.is_empty() {
@@ -167,7 +168,8 @@ impl Camera {
             Projection::Orthographic { .. } => ViewFrustum { near: nearest - margin, far: farthest + margin },
             Projection::Perspective { .. } => {
                 let far = (farthest + margin).max(self.distance() / 1024.0);
-                ViewFrustum { near: (nearest - margin).max(far / 10_000.0), far }
+                let near = (nearest - margin).max(far / 10_000.0);
+                ViewFrustum { near: near.log2().floor().exp2(), far }
             }
         }
     }

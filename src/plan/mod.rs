@@ -252,7 +252,7 @@ pub struct Features {
 pub enum Opacity {
     /// The same for every layer.
     Constant {
-        /// Multiplies the material's own opacity.
+        /// Multiplies the material's own opacity; the product is clamped, so it may exceed 1.
         alpha: f64,
     },
     /// Transfer functions that do not vary with curvature.
@@ -351,7 +351,7 @@ pub fn plan_with(
         return Err(Refusal::TooFewBindings { needed, limit, without_tail });
     }
     let mut draft = Draft { passes: Vec::new(), skipped: Vec::new() };
-    let all_opaque = opacity == (Opacity::Constant { alpha: 1.0 }) && scene.blended_materials == 0;
+    let all_opaque = matches!(opacity, Opacity::Constant { alpha } if alpha >= 1.0) && scene.blended_materials == 0;
     let capture = if all_opaque {
         draft.run(Pass::Opaque, "every surface is opaque: only the nearest can be seen");
         draft.run(Pass::ShowOpaque, "the opaque pass draws into a target of its own");
@@ -415,7 +415,7 @@ pub fn choose_opacity(settings: &Settings, transfer: &TransferFunction) -> Opaci
             } else if let (true, Some(alpha)) =
                 (transfer.color.constant() == Some([0.5; 3]), transfer.opacity.constant())
             {
-                Opacity::Constant { alpha: (f64::from(alpha) * settings.opacity.gain).clamp(0.0, 1.0) }
+                Opacity::Constant { alpha: f64::from(alpha) * settings.opacity.gain }
             } else {
                 Opacity::Depth
             }

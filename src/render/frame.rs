@@ -426,22 +426,6 @@ impl<'a> Work<'a> {
     }
 }
 
-/// Empties a texture by a render pass: clearing it as such is a feature that adapters need not have.
-fn clear_to_zero(encoder: &mut wgpu::CommandEncoder, texture: &wgpu::Texture) {
-    let view = texture.create_view(&Default::default());
-    let load = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
-    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-        label: Some("clear sums"),
-        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-            view: &view,
-            depth_slice: None,
-            resolve_target: None,
-            ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
-        })],
-        ..Default::default()
-    });
-}
-
 #[expect(clippy::too_many_arguments, reason = "one call, all of it different things")]
 fn accumulate(
     renderer: &mut Renderer,
@@ -458,14 +442,16 @@ fn accumulate(
     renderer.resources.set("sample_image", as_resource(image));
     renderer.resources.set("sum_before", as_resource(before));
     renderer.resources.set("sum_after", as_resource(after));
-    let [width, height] = plan.size;
+    let height = plan.size[1];
     let whole = Band { first_row: 0, end_row: height, first_output_row: 0, end_output_row: height };
-    let _ = width;
     let mut work = Work::new(renderer, plan, view, whole, blank)?;
     if sample == 0 {
-        clear_to_zero(&mut work.recorder.encoder, before);
+        // The first sum is the first frame. (Clearing a texture is a feature that not every adapter has.)
+        let encoder = &mut work.recorder.encoder;
+        encoder.copy_texture_to_texture(image.as_image_copy(), after.as_image_copy(), image.size());
+    } else {
+        composite::accumulate(&mut work.context())?;
     }
-    composite::accumulate(&mut work.context())?;
     Ok(work.submit_times(tally)?)
 }
 
@@ -477,12 +463,15 @@ fn ensure_fragments(renderer: &mut Renderer, plan: &FramePlan, fragments: u64) -
     }
     let layout = StoreLayout { k: 0, capacity: fragments as u32, _pad: [0; 2] };
     renderer.resources.set("store_layout", Resource::Buffer(gpu.uniform("store_layout", &layout)?));
-    aliases(renderer);
+    aliases(renderer, plan);
     Ok(())
 }
 
-/// Names under which shaders know the same buffer.
-fn aliases(renderer: &mut Renderer) {
+/// Names under which shaders know the same buffer. To be called whenever one of them may be another buffer.
+fn aliases(renderer: &mut Renderer, plan: &FramePlan) {
+    if plan.runs(Pass::NeighbourCandidates) && !plan.runs(Pass::NeighbourLinks) {
+        renderer.resources.alias("links", "candidates");
+    }
     for (alias, name) in [("atomic_keys", "keys"), ("key_words", "keys"), ("pixel_counts", "pixel_table")] {
         renderer.resources.alias(alias, name);
     }
@@ -541,9 +530,6 @@ fn bind_settings(
         let layout = StoreLayout { k, capacity: slots, _pad: [0; 2] };
         resources.set("store_layout", Resource::Buffer(gpu.uniform("store_layout", &layout)?));
     }
-    if !plan.runs(Pass::NeighbourLinks) {
-        resources.alias("links", "candidates");
-    }
-    aliases(renderer);
+    aliases(renderer, plan);
     Ok(())
 }

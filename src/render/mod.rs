@@ -111,6 +111,11 @@ impl Renderer {
         &self.shaders
     }
 
+    /// Lets another text stand in for a shader module: see [`Shaders::replace`].
+    pub fn replace_shader(&mut self, module: &str, text: Option<String>) {
+        self.shaders.replace(module, text);
+    }
+
     /// Uploads a finished scene.
     ///
     /// # Errors

@@ -40,7 +40,8 @@ struct Axis {
     samples: f32,
     sum_s: f32,
     sum_ss: f32,
-    // Sums of the normal's and the position's difference to the start, plain and times s.
+    // Sums of the normal's (view-centred: the depth gradient's) and the position's difference to the start, plain and
+    // times s.
     normal: vec3<f32>,
     normal_s: vec3<f32>,
     point: vec3<f32>,
@@ -98,7 +99,10 @@ fn walk(start: Fragment, x: u32, y: u32, slot: u32, direction: u32, axis: ptr<fu
         }
         if distance <= curvature_parameters.radius {
             let s = side * f32(distance);
-            let dn = next.normal - start.normal;
+            var dn = next.normal - start.normal;
+            if curvature_parameters.kind == 1u {
+                dn = vec3<f32>(depth_gradient(next.normal) - depth_gradient(start.normal), 0.0);
+            }
             let dp = next.point - start.point;
             (*axis).samples += 1.0;
             (*axis).sum_s += s;
@@ -127,11 +131,9 @@ fn slopes_of(axis: Axis) -> Slopes {
     );
 }
 
-// View-centred: the change of (n_x, n_y) / n_z. Its slopes come from those of the normal by the quotient rule.
-fn gradient_slope(normal: vec3<f32>, slope: vec3<f32>) -> vec2<f32> {
-    let nz = max(normal.z, 0.05);
-    let dz = select(0.0, slope.z, normal.z > 0.05);
-    return (slope.xy * nz - normal.xy * dz) / (nz * nz);
+// View-centred: the gradient of depth, finite everywhere.
+fn depth_gradient(normal: vec3<f32>) -> vec2<f32> {
+    return normal.xy / max(normal.z, 0.05);
 }
 
 // Sum of the principal curvatures, positive where convex, per unit of length.
@@ -150,9 +152,7 @@ fn curvature_sum(start: Fragment, u: Axis, v: Axis, pixel: vec2<f32>) -> f32 {
         along_v = slopes_of(v);
     }
     if curvature_parameters.kind == 1u {
-        let gu = gradient_slope(start.normal, along_u.normal);
-        let gv = gradient_slope(start.normal, along_v.normal);
-        return gu.x / pixel.x - gv.y / pixel.y;
+        return along_u.normal.x / pixel.x - along_v.normal.y / pixel.y;
     }
     // Tangent parts, then S = B inverse(A) in any frame of the tangent plane: its trace needs only cross products.
     let n = start.normal;

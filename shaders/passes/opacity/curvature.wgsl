@@ -19,6 +19,6 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         let kappa = kappas[slot];
         let color = layer_lit(slot);
         let alpha = opacity_of(depth01_of(layer_view_depth(slot)), kappa);
-        store_lit(slot, vec4<f32>(tinted(color.rgb, color_of_kappa(kappa)), color.a * alpha));
+        store_lit(slot, vec4<f32>(tinted(color.rgb, color_of_kappa(kappa)), clamp(color.a * alpha, 0.0, 1.0)));
     }
 }

@@ -15,6 +15,6 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         let slot = base + layer;
         let color = layer_lit(slot);
         let alpha = opacity_of(depth01_of(layer_view_depth(slot)), 0.0);
-        store_lit(slot, vec4<f32>(tinted(color.rgb, color_of_kappa(0.0)), color.a * alpha));
+        store_lit(slot, vec4<f32>(tinted(color.rgb, color_of_kappa(0.0)), clamp(color.a * alpha, 0.0, 1.0)));
     }
 }

@@ -23,6 +23,7 @@ fn color_of_kappa(kappa: f32) -> vec3<f32> {
     return mix(a, b, at - f32(low));
 }
 
+// Not clamped: the material's opacity is multiplied first.
 fn opacity_of(depth01: f32, kappa: f32) -> f32 {
     let at = clamp(vec2<f32>(depth01, abs(kappa)), vec2<f32>(0.0), vec2<f32>(1.0)) * 255.0;
     let low = min(vec2<u32>(at), vec2<u32>(254u));
@@ -32,7 +33,7 @@ fn opacity_of(depth01: f32, kappa: f32) -> f32 {
     let b = opacity_table[entry + 1u];
     let c = opacity_table[entry + 256u];
     let d = opacity_table[entry + 257u];
-    return clamp(transfer.gain * mix(mix(a, b, t.x), mix(c, d, t.x), t.y), 0.0, 1.0);
+    return transfer.gain * mix(mix(a, b, t.x), mix(c, d, t.x), t.y);
 }
 
 // A colour under the colour function's value, 0.5 of which changes nothing.

@@ -368,7 +368,8 @@ impl GpuScene {
         if table.is_empty() {
             table.push(PartFacts { first_triangle: 0, inverse_radius: 0.0, radius: 0.0, _pad: 0 });
         }
-        let part_table = gpu.buffer_of("part_table", bytemuck::cast_slice(&table), wgpu::BufferUsages::STORAGE)?;
+        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
+        let part_table = gpu.buffer_of("part_table", bytemuck::cast_slice(&table), usage)?;
         gpu.check()?;
         Ok(GpuScene {
             stats: SceneStats::of(scene),

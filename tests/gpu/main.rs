@@ -1,0 +1,15 @@
+//! Tests that need an adapter (a GPU, or lavapipe): the stages against the `f64` oracle, the captures against each other,
+//! the traps of the papers, curvature on surfaces whose curvature is known.
+//!
+//! One binary, because each links the whole of wgpu, and one renderer, because every pipeline compiles once in it.
+//! Matrices of settings are sampled; all of them run where `PELLUCID_TEST_FULL` is set. Where no adapter answers the tests
+//! say `SKIPPED`, unless `CI` is set: then they fail.
+
+mod captures;
+mod common;
+mod curvature;
+mod meshes;
+mod pictures;
+mod stages;
+mod traps;
+mod traps_of_geometry;

@@ -1,0 +1,572 @@
+//! Every stage on the GPU against the `f64` oracle, each fed with the GPU's read-back of the stage before.
+
+use std::collections::HashMap;
+
+use glam::{DVec2, DVec3, Vec3};
+use pellucid::math::color::srgb_from_linear;
+use pellucid::math::{Camera, LightLevels, LightRig};
+use pellucid::oracle::buckets::{Bucket, quantize_depth};
+use pellucid::oracle::stylize::{ColorMode, Tables};
+use pellucid::oracle::{
+    Fragment, Layers, Link, Neighbours, PackedKey, StoreData, WideKey, bucket_k_buffer, composite, curvature,
+    neighbours_expected, rasterize, shade, stylize,
+};
+use pellucid::plan::{Capture, Pass};
+use pellucid::render::{Renderer, StoreReadback};
+use pellucid::scene::Scene;
+use pellucid::settings::{DepthQuantization, DepthTerm, LightSettings, NormalEncoding, OpacityModel, Settings};
+use pellucid::transfer::{self, TransferFunction};
+
+use crate::common::*;
+use crate::meshes;
+
+/// At most this share of samples may be ambiguous.
+pub const AMBIGUOUS: f64 = 0.02;
+
+fn report(what: &str, ambiguous: usize, of: usize) {
+    let share = ambiguous as f64 / of.max(1) as f64;
+    println!("{what}: {ambiguous} of {of} ambiguous ({:.2} %)", 100.0 * share);
+    assert!(share <= AMBIGUOUS, "{what}: more than 2 % ambiguous");
+}
+
+/// The bridge from the program's transfer functions to the oracle's tables.
+pub fn tables(transfer: &TransferFunction) -> Tables {
+    let baked = transfer.bake();
+    Tables {
+        color: baked.color.iter().map(|c| c.map(f64::from)).collect(),
+        mode: match baked.mode {
+            transfer::ColorMode::Tint => ColorMode::Tint,
+            transfer::ColorMode::Multiply => ColorMode::Multiply,
+        },
+        opacity: baked.opacity.iter().map(|&o| f64::from(o)).collect(),
+        opacity_width: transfer::TABLE_SIZE,
+    }
+}
+
+pub fn rig(s: &LightSettings) -> LightRig {
+    LightRig::studio(LightLevels { exposure: s.exposure, key: s.key, fill: s.fill, rim: s.rim, ambient: s.ambient })
+}
+
+/// Change of depth per pixel along x and y, of the plane of every triangle.
+struct Slopes(HashMap<u32, (DVec3, f64)>);
+
+impl Slopes {
+    fn new(scene: &Scene, camera: &Camera) -> Slopes {
+        let mut planes = HashMap::new();
+        for part in &scene.parts {
+            let view_from_part = camera.view_from_world() * part.world_from_part;
+            let mut number = part.first_triangle;
+            for primitive in &scene.meshes[part.mesh].primitives {
+                for t in &primitive.triangles {
+                    let [a, b, c] = t.map(|i| {
+                        view_from_part.transform_point3(Vec3::from(primitive.positions[i as usize]).as_dvec3())
+                    });
+                    let n = (b - a).cross(c - a).normalize_or_zero();
+                    planes.insert(number, (n, n.dot(a)));
+                    number += 1;
+                }
+            }
+        }
+        Slopes(planes)
+    }
+
+    /// How far depth may be off where vertices snap to 1/256 pixel, and a few steps of an f32 (of a depth of that
+    /// size: a parallel depth is as precise as the whole range).
+    fn tolerance(&self, triangle: u32, point: DVec3, pixel: DVec2, perspective: bool) -> f64 {
+        let (n, _) = self.0[&triangle];
+        let sight = if perspective { point / -point.z } else { DVec3::NEG_Z };
+        let facing = n.dot(sight).abs().max(1e-9);
+        let slope = (n.x.abs() * pixel.x + n.y.abs() * pixel.y) / facing;
+        slope / 256.0 + 1e-6 * -point.z
+    }
+}
+
+fn angle(a: DVec3, b: DVec3) -> f64 {
+    2.0 * ((a - b).length() * 0.5).min(1.0).asin()
+}
+
+/// One stored surface against the oracle's.
+fn check_surface(at: &str, s: &StoreData, i: usize, f: &Fragment, depth_by: f64, normal_by: f64, worst: &mut f64) {
+    assert_eq!((s.part[i], s.side[i]), (f.part, f.side), "{at}: triangle {}", f.triangle);
+    let depths = [s.depth[i], f.depth];
+    assert!((depths[0] - depths[1]).abs() <= depth_by, "{at}: depths {depths:?} may differ by {depth_by}");
+    let off = angle(Vec3::from(s.normal[i]).as_dvec3().normalize(), f.normal_in_view);
+    *worst = worst.max(off);
+    // A smooth normal turns as the sample moves on its facet: by less than half a radian a pixel here.
+    assert!(off < normal_by + 0.5 / 256.0, "{at}: normal off by {off}");
+    let near = |a: f32, b: f64, by: f64| (f64::from(a) - b).abs() <= by;
+    let c = f.surface.base_color;
+    for j in 0..3 {
+        let (found, expected) = (encoded(f64::from(s.base_color[i][j])), encoded(c[j]));
+        assert!((found - expected).abs() <= 1.0 / 255.0, "{at}: {:?} {c:?}", s.base_color[i]);
+        assert!(near(s.emissive[i][j], f.surface.emissive[j], 2e-3), "{at}: emissive");
+    }
+    assert!(near(s.base_color[i][3], c[3], 1.0 / 255.0), "{at}: alpha");
+    let eight = 0.51 / 255.0;
+    assert!(near(s.metallic[i], f.surface.metallic, eight) && near(s.roughness[i], f.surface.roughness, eight), "{at}");
+    assert!(near(s.occlusion[i], f.surface.occlusion, eight) && s.unlit[i] == f.surface.unlit, "{at}");
+}
+
+/// Raster: the fragments of every pixel.
+fn check_capture(
+    what: &str,
+    scene: &Scene,
+    camera: &Camera,
+    layers: &Layers,
+    store: &StoreReadback,
+    settings: &Settings,
+) {
+    let s = &store.layers;
+    let view = view_of(camera, [s.width, s.height]);
+    let slopes = Slopes::new(scene, camera);
+    let bkb = settings.capture.kind == pellucid::settings::CaptureKind::BucketedKBuffer;
+    let k = if bkb { settings.capture.bucketed_k_buffer.k as usize } else { usize::MAX };
+    let encoding = match settings.capture.normals {
+        NormalEncoding::Octahedral => 0.0001,
+        NormalEncoding::Xy15 => 0.0095,
+    };
+    let (mut ambiguous, mut fragments, mut worst_normal) = (0, 0, 0.0_f64);
+    for (pixel, expected) in layers.pixels.iter().enumerate() {
+        fragments += expected.fragments.len();
+        let tolerance =
+            |f: &Fragment| slopes.tolerance(f.triangle, f.position_in_view, view.pixel_size(f.depth), view.perspective);
+        let at = || format!("{what}, pixel {:?}", s.xy(pixel));
+        let range = s.range(pixel);
+        let mut last: Option<&Fragment> = None;
+        for i in range.clone() {
+            let Some(f) = expected.fragments.iter().find(|f| f.triangle == s.triangle[i]) else {
+                assert!(expected.ambiguous, "{}: triangle {} is not there", at(), s.triangle[i]);
+                ambiguous += 1;
+                continue;
+            };
+            // Snapping may swap two surfaces that are as close as the depth of either may be off.
+            if let Some(nearer) = last.replace(f)
+                && (nearer.depth_key, nearer.triangle) > (f.depth_key, f.triangle)
+            {
+                assert!(nearer.depth - f.depth <= tolerance(nearer) + tolerance(f), "{}: order", at());
+                ambiguous += 1;
+            }
+            if f.ambiguous {
+                continue;
+            }
+            check_surface(&at(), s, i, f, tolerance(f), encoding, &mut worst_normal);
+        }
+        ambiguous += expected.fragments.iter().filter(|f| f.ambiguous).count();
+        let there = |f: &Fragment| s.triangle[range.clone()].contains(&f.triangle);
+        for (layer, f) in expected.fragments.iter().enumerate() {
+            let cut = layer >= k || (s.overflowed[pixel] && s.counts[pixel] as usize == k);
+            assert!(f.ambiguous || cut || there(f), "{}: triangle {} is missing", at(), f.triangle);
+        }
+        if !expected.ambiguous {
+            assert_eq!(s.overflowed[pixel], expected.fragments.len() > k, "{}", at());
+        }
+    }
+    println!("{what}: worst normal off by {:.4}°", worst_normal.to_degrees());
+    report(&format!("{what}, capture"), ambiguous, fragments);
+}
+
+/// Z rows, reordering and bucket tables, exactly. `all` are the fragments of every pixel.
+fn check_buckets(what: &str, all: &StoreData, store: &StoreReadback, capture: Capture) {
+    let s = &store.layers;
+    for pixel in 0..s.counts.len() {
+        let range = s.range(pixel);
+        let keys: Vec<WideKey> = all
+            .range(pixel)
+            .map(|i| WideKey { depth: all.depth_key[i], triangle: all.triangle[i], part: all.part[i] })
+            .collect();
+        let k = match capture {
+            Capture::BucketedKBuffer { k, .. } => k as usize,
+            _ => keys.len(),
+        };
+        let expected = bucket_k_buffer(&keys, k);
+        let row: Vec<WideKey> =
+            range.map(|i| WideKey { depth: s.depth_key[i], triangle: s.triangle[i], part: s.part[i] }).collect();
+        assert_eq!(row, expected.nearest, "{what}: row of pixel {pixel}");
+        assert_eq!(s.overflowed[pixel], expected.overflowed, "{what}: pixel {pixel}");
+        if let Some(found) = store.buckets.get(pixel) {
+            compare_buckets(what, pixel, found, &expected, &row);
+        }
+    }
+}
+
+fn compare_buckets<K: PartialEq + std::fmt::Debug + Copy>(
+    what: &str,
+    pixel: usize,
+    found: &pellucid::render::PixelBuckets,
+    expected: &pellucid::oracle::BucketedPixel<K>,
+    row: &[K],
+) {
+    let reordered: Vec<K> = found.by_part.iter().map(|&layer| row[layer as usize]).collect();
+    assert_eq!(reordered, expected.reordered, "{what}: by part, pixel {pixel}");
+    if row.is_empty() {
+        return;
+    }
+    let table: Vec<Option<Bucket>> = found
+        .table
+        .iter()
+        .map(|slot| slot.map(|(shape, first, end)| Bucket { shape, first: first as usize, last: end as usize - 1 }))
+        .collect();
+    assert_eq!(table, expected.table, "{what}: bucket table, pixel {pixel}");
+}
+
+/// The same for packed keys: `all` is a frame with k = 64. Ties are one key from Z insertion on (T1).
+fn check_packed_buckets(what: &str, all: &StoreData, store: &StoreReadback, k: usize) {
+    let s = &store.layers;
+    let keys = |s: &StoreData, pixel| -> Vec<PackedKey> {
+        s.range(pixel).map(|i| PackedKey::new(s.depth_key[i] as u16, s.part[i] as u16)).collect()
+    };
+    for pixel in 0..s.counts.len() {
+        assert!(!all.overflowed[pixel], "{what}: 64 layers are not enough for this test");
+        let expected = bucket_k_buffer(&keys(all, pixel), k);
+        let row = keys(s, pixel);
+        assert_eq!(row, expected.nearest, "{what}: row of pixel {pixel}");
+        assert_eq!(s.overflowed[pixel], expected.overflowed, "{what}: pixel {pixel}");
+        if let Some(found) = store.buckets.get(pixel) {
+            compare_buckets(what, pixel, found, &expected, &row);
+        }
+    }
+}
+
+/// Links exactly, except where two candidates are as good.
+fn check_links(what: &str, scene: &Scene, camera: &Camera, store: &StoreReadback, term: DepthTerm, reverse: bool) {
+    let view = View::new(camera, [store.layers.width, store.layers.height], DVec2::ZERO);
+    let slope = (term == DepthTerm::Slope).then_some(&view);
+    let expected = neighbours_expected(&store.layers, &extents_of(scene, camera), slope, reverse);
+    assert_eq!(expected.links.len(), store.links.len(), "{what}");
+    let (mut ambiguous, mut to, mut missing, mut unknown) = (0, 0, 0, 0);
+    for (i, (found, expected_links)) in store.links.iter().zip(&expected.links).enumerate() {
+        for d in 0..4 {
+            match found[d] {
+                Link::To(_) => to += 1,
+                Link::Missing => missing += 1,
+                Link::Unknown => unknown += 1,
+            }
+            ambiguous += usize::from(expected.ambiguous[i][d]);
+            if !expected.ambiguous[i][d] {
+                assert_eq!(found[d], expected_links[d], "{what}: fragment {i}, direction {d}");
+            }
+        }
+    }
+    println!("{what}: {to} links, {missing} missing, {unknown} unknown");
+    report(&format!("{what}, links"), ambiguous, 4 * store.links.len());
+}
+
+/// κ within 1e-3 of the oracle's over the GPU's own links.
+fn check_curvature(what: &str, scene: &Scene, camera: &Camera, store: &StoreReadback, settings: &Settings) {
+    let s = &store.layers;
+    let links = Neighbours { links: store.links.clone(), ambiguous: vec![[false; 4]; store.links.len()] };
+    let view = view_of(camera, [s.width, s.height]);
+    let expected = curvature(s, &links, &view, &extents_of(scene, camera), &settings.features.curvature);
+    let (mut ambiguous, mut worst) = (0, 0.0_f64);
+    for (i, (&found, &kappa)) in store.kappa.iter().zip(&expected.kappa).enumerate() {
+        if expected.ambiguous[i] {
+            ambiguous += 1;
+            continue;
+        }
+        let off = (f64::from(found) - kappa).abs();
+        worst = worst.max(off);
+        assert!(
+            off <= 1e-3,
+            "{what}: kappa of fragment {i} in pixel {:?}: {found} and {kappa}, sum {}, normal {:?}, links {:?}",
+            s.xy(s.pixel_of_fragment()[i]),
+            expected.sum[i],
+            s.normal[i],
+            store.links[i]
+        );
+    }
+    println!("{what}: kappa differs by at most {worst:.1e}");
+    report(&format!("{what}, curvature"), ambiguous, s.len());
+}
+
+fn as_f64(colors: &[[f32; 4]]) -> Vec<[f64; 4]> {
+    colors.iter().map(|c| c.map(f64::from)).collect()
+}
+
+pub fn encoded(c: f64) -> f64 {
+    srgb_from_linear(c)
+}
+
+fn check_colors(what: &str, found: &[[f32; 4]], expected: &[[f64; 4]]) {
+    let mut worst = 0.0_f64;
+    for (i, (f, e)) in found.iter().zip(expected).enumerate() {
+        for c in 0..4 {
+            let off = if c < 3 { encoded(f64::from(f[c])) - encoded(e[c]) } else { f64::from(f[c]) - e[c] };
+            worst = worst.max(off.abs());
+            assert!(off.abs() <= 1.0 / 255.0, "{what}: {i}, channel {c}: {f:?} and {e:?}");
+        }
+    }
+    println!("{what}: differs by at most {:.3}/255", 255.0 * worst);
+}
+
+/// All stages after the capture, and the picture.
+fn check_frame(
+    r: &mut Renderer,
+    what: &str,
+    scene: &Scene,
+    camera: &Camera,
+    settings: &Settings,
+    size: [u32; 2],
+    all: &StoreData,
+) {
+    let transfer = settings.opacity.transfer.resolve(None).expect("transfer function");
+    let shot = draw(r, scene, camera, settings, size);
+    let plan = &shot.frame.report.plan;
+    let store = &shot.store;
+    assert_eq!(plan.runs(Pass::Curvature), plan.features.is_some());
+    let packed = !plan.capture.is_wide();
+    assert!(shot.frame.report.layers.balanced(), "{what}: {:?}", shot.frame.report.layers);
+    match plan.capture {
+        Capture::BucketedKBuffer { k, .. } if packed => check_packed_buckets(what, all, store, k as usize),
+        capture => check_buckets(what, all, store, capture),
+    }
+    // Light alone: the same frame without stylization.
+    let mut plain_settings = settings.clone();
+    plain_settings.opacity.model = OpacityModel::Constant;
+    plain_settings.opacity.constant = 0.5;
+    let plain = draw(r, scene, camera, &plain_settings, size);
+    if !packed {
+        assert_first(&plain.store.words, &store.words, &format!("{what}: plain and stylized store"));
+    }
+    let view = view_of(camera, size);
+    let extents = extents_of(scene, camera);
+    let layers = &plain.store.layers;
+    let lit = shade::shade(layers, &view, &rig(&settings.light));
+    let lit_with_alpha: Vec<[f64; 4]> =
+        lit.iter().zip(&layers.base_color).map(|(c, b)| [c[0], c[1], c[2], f64::from(b[3])]).collect();
+    check_colors(&format!("{what}, light"), &plain.store.lit, &lit_with_alpha);
+    let half: Vec<[f64; 4]> = plain
+        .store
+        .lit
+        .iter()
+        .map(|c| {
+            let c = c.map(f64::from);
+            [c[0], c[1], c[2], 0.5 * c[3]]
+        })
+        .collect();
+    // The tail counts as flat.
+    let tail = |settings: &Settings| {
+        let lit = shade::shade(all, &view, &rig(&settings.light));
+        stylize::stylize(all, &lit, &vec![0.0; all.len()], &extents, &settings.opacity, &tables(&transfer))
+    };
+    check_image(&format!("{what}, constant"), layers, &half, &plain, all, &|| tail(&plain_settings));
+
+    if plan.features.is_some() {
+        check_links(what, scene, camera, store, settings.features.depth_term, settings.features.reverse_check);
+        check_curvature(what, scene, camera, store, settings);
+    }
+    if plan.runs(Pass::Stylize) {
+        let kappa: Vec<f64> = if store.kappa.is_empty() {
+            vec![0.0; store.layers.len()]
+        } else {
+            store.kappa.iter().map(|&k| f64::from(k)).collect()
+        };
+        // Which of two tied packed fragments is stored is a race, so light is computed from this frame's own store.
+        let lit: Vec<[f64; 3]> = if packed {
+            shade::shade(&store.layers, &view, &rig(&settings.light))
+        } else {
+            plain.store.lit.iter().map(|c| [f64::from(c[0]), f64::from(c[1]), f64::from(c[2])]).collect()
+        };
+        let styled = stylize::stylize(&store.layers, &lit, &kappa, &extents, &settings.opacity, &tables(&transfer));
+        check_colors(&format!("{what}, stylize"), &store.lit, &styled);
+        check_image(what, &store.layers, &as_f64(&store.lit), &shot, all, &|| tail(settings));
+    }
+}
+
+/// The picture of layers whose colours are given. Behind full pixels lies the tail, made of `all` fragments.
+fn check_image(
+    what: &str,
+    layers: &StoreData,
+    colors: &[[f64; 4]],
+    shot: &Shot,
+    all: &StoreData,
+    tail: &dyn Fn() -> Vec<[f64; 4]>,
+) {
+    let mut front = composite::front_to_back(layers, colors, None);
+    let back = composite::back_to_front(layers, colors, None);
+    assert!(front.iter().flatten().zip(back.iter().flatten()).all(|(a, b)| (a - b).abs() < 1e-12), "{what}: both ways");
+    if matches!(shot.frame.report.plan.capture, Capture::BucketedKBuffer { tail: true, .. }) {
+        let styled = tail();
+        for (pixel, color) in front.iter_mut().enumerate() {
+            let behind = &styled[all.range(pixel)][layers.counts[pixel] as usize..];
+            let weight: f64 = behind.iter().map(|c| c[3]).sum();
+            if weight > 0.0 {
+                let opacity = 1.0 - behind.iter().map(|c| 1.0 - c[3]).product::<f64>();
+                let share = (1.0 - color[3]) * opacity;
+                for (i, c) in color.iter_mut().enumerate().take(3) {
+                    *c += share * behind.iter().map(|b| b[3] * b[i]).sum::<f64>() / weight;
+                }
+                color[3] += share;
+            }
+        }
+    }
+    check_colors(&format!("{what}, composite"), &shot.frame.image.pixels, &front);
+}
+
+/// One part of the matrix: scene and camera once, settings many.
+pub fn check_all(r: &mut Renderer, name: &str, scene: &Scene, camera: &Camera, size: [u32; 2], rows: &[&str]) {
+    let layers = rasterize(scene, camera, size, DVec2::ZERO);
+    let mut everything: HashMap<String, StoreData> = HashMap::new();
+    for row in rows {
+        let what = format!("{name} [{row}]");
+        let mut s = settings(row);
+        if !row.contains("opacity.transfer") {
+            s = with_transfer(s, lively());
+        }
+        let bkb = &s.capture.bucketed_k_buffer;
+        let packed = row.contains("packed32");
+        // All fragments of the pixels: what the k-buffer's rows are cut from.
+        let source = if packed {
+            format!("kind=bkb k=64 key=packed32 depth={} model=constant", s.get_depth(bkb.depth))
+        } else {
+            "kind=compacted model=constant".to_owned()
+        };
+        let all = everything
+            .entry(source.clone())
+            .or_insert_with(|| draw(r, scene, camera, &settings(&source), size).store.layers);
+        let all = all.clone();
+        check_frame(r, &what, scene, camera, &s, size, &all);
+        if !packed {
+            let shot = draw(r, scene, camera, &s, size);
+            check_capture(&what, scene, camera, &layers, &shot.store, &s);
+        }
+    }
+}
+
+trait DepthName {
+    fn get_depth(&self, depth: DepthQuantization) -> &'static str;
+}
+
+impl DepthName for Settings {
+    fn get_depth(&self, depth: DepthQuantization) -> &'static str {
+        match depth {
+            DepthQuantization::Linear => "linear",
+            DepthQuantization::ZOverW => "z_over_w",
+            DepthQuantization::Reversed => "reversed",
+        }
+    }
+}
+
+fn matrix() -> Vec<String> {
+    let mut rows = Vec::new();
+    let captures = [
+        "kind=compacted",
+        "kind=bkb k=4",
+        "kind=bkb k=7 tail=average",
+        "kind=bkb k=16",
+        "kind=bkb k=32 tail=average",
+        "kind=bkb k=5 key=packed32",
+        "kind=bkb k=16 key=packed32 depth=z_over_w",
+        "kind=bkb k=16 key=packed32 depth=reversed",
+    ];
+    for capture in captures {
+        for normals in ["octahedral", "xy15"] {
+            for curvature in ["surface", "view_centred"] {
+                for unit in ["view", "part", "scene", "world"] {
+                    for search in ["buckets reverse=true", "buckets reverse=false", "brute_force reverse=true"] {
+                        for shape in ["radius=0 line=0 crease=180", "radius=0.04 line=0.02 crease=25", ""] {
+                            rows.push(format!(
+                                "{capture} normals={normals} curvature={curvature} unit={unit} search={search} {shape}"
+                            ));
+                        }
+                    }
+                }
+            }
+        }
+    }
+    if full() { rows } else { rows.into_iter().step_by(53).collect() }
+}
+
+#[test]
+fn every_stage_equals_the_oracle() {
+    let Some(mut r) = renderer() else { return };
+    let rows = matrix();
+    println!("{} rows of settings", rows.len());
+    let rows: Vec<&str> = rows.iter().map(String::as_str).collect();
+    for (seed, orthographic) in [(1, false), (2, true)] {
+        let scene = meshes::assembly(seed);
+        let camera = camera(&scene, orthographic);
+        check_all(&mut r, &format!("assembly {seed}"), &scene, &camera, [112, 96], &rows);
+    }
+}
+
+#[test]
+fn loose_triangles_equal_the_oracle() {
+    let Some(mut r) = renderer() else { return };
+    for (seed, orthographic) in [(5, true), (6, false)] {
+        let scene = meshes::soups(seed, 7, 12);
+        let camera = camera(&scene, orthographic);
+        let rows =
+            ["kind=compacted", "kind=bkb k=16 curvature=view_centred", "kind=bkb k=8 unit=part search=brute_force"];
+        check_all(&mut r, &format!("soup {seed}"), &scene, &camera, [64, 33], &rows);
+    }
+}
+
+#[test]
+fn transfer_functions_of_every_kind_equal_the_oracle() {
+    let Some(mut r) = renderer() else { return };
+    let scene = meshes::assembly(3);
+    let camera = camera(&scene, false);
+    let names: Vec<String> = transfer::names().iter().map(|n| format!("opacity.transfer={n} gain=2.5")).collect();
+    let mut rows: Vec<&str> = names.iter().map(String::as_str).collect();
+    rows.extend(["gain=8 light.exposure=3 light.ambient=0.2", "gain=0.1 light.key=0 light.fill=9"]);
+    check_all(&mut r, "transfer", &scene, &camera, [72, 72], &rows);
+    // Depends on depth alone: stylization without curvature.
+    let depth_only = crate::common::transfer(
+        "[color]\nmode = \"multiply\"\ninterpolation = \"linear\"\npoints = [{ kappa = 0.0, color = [0.7, 0.5, 0.2] }]\n\
+         [opacity]\ninterpolation = \"linear\"\ndepth_interpolation = \"linear\"\n\
+         curves = [{ depth = 0.0, points = [[0.0, 0.9]] }, { depth = 1.0, points = [[0.0, 0.1]] }]\n",
+    );
+    let s = with_transfer(settings("gain=3"), depth_only);
+    let all = draw(&mut r, &scene, &camera, &settings("model=constant"), [40, 40]).store.layers;
+    check_frame(&mut r, "depth only", &scene, &camera, &s, [40, 40], &all);
+}
+
+/// The 16 bits of a packed depth against `f64`, from the 32 bits of the wide key.
+#[test]
+fn packed_depths_are_the_quantized_ones() {
+    let Some(mut r) = renderer() else { return };
+    let scene = meshes::soups(11, 60, 4);
+    for orthographic in [false, true] {
+        let camera = camera(&scene, orthographic);
+        let extents = extents_of(&scene, &camera);
+        let frustum = camera.frustum(&scene.bounds());
+        let wide = draw(&mut r, &scene, &camera, &settings("model=constant"), [64, 64]).store.layers;
+        for (name, quantization) in [
+            ("linear", DepthQuantization::Linear),
+            ("z_over_w", DepthQuantization::ZOverW),
+            ("reversed", DepthQuantization::Reversed),
+        ] {
+            let row = format!("model=constant kind=bkb k=64 key=packed32 depth={name}");
+            let packed = draw(&mut r, &scene, &camera, &settings(&row), [64, 64]).store.layers;
+            let (mut off_by_one, mut total) = (0, 0);
+            for pixel in 0..wide.counts.len() {
+                // By part, in order of depth.
+                let of_part = |s: &StoreData, part: u32| -> Vec<usize> {
+                    s.range(pixel).filter(|&i| s.part[i] == part).collect()
+                };
+                for part in 0..scene.parts.len() as u32 {
+                    let (exact, found) = (of_part(&wide, part), of_part(&packed, part));
+                    // Ties merged: which of them is stored cannot be said here.
+                    if exact.len() != found.len() {
+                        continue;
+                    }
+                    for (i, j) in exact.into_iter().zip(found) {
+                        let [near, far] = match quantization {
+                            DepthQuantization::Linear => extents.depth_range,
+                            _ => [frustum.near, frustum.far],
+                        };
+                        // A parallel depth is linear between near and far under either of the others.
+                        let kind = if orthographic { DepthQuantization::Linear } else { quantization };
+                        let expected = quantize_depth(kind, wide.depth[i], near, far);
+                        let difference = packed.depth_key[j].abs_diff(u32::from(expected));
+                        assert!(difference <= 1, "{name}: {} and {expected}", packed.depth_key[j]);
+                        off_by_one += difference as usize;
+                        total += 1;
+                    }
+                }
+            }
+            assert!(total > 5000);
+            report(&format!("packed depth {name}, orthographic {orthographic}: last bit"), off_by_one, total);
+        }
+    }
+}
