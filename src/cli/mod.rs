@@ -258,7 +258,7 @@ fn presets() -> String {
 }
 
 fn scenes() -> String {
-    builtin::names().iter().map(|b| format!("builtin:{:14} {}\n", b.name, b.description)).collect()
+    builtin::names().iter().map(|b| format!("builtin:{:18}{}\n", b.name, b.description)).collect()
 }
 
 #[cfg(test)]
