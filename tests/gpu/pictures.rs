@@ -102,7 +102,7 @@ fn planted_errors_are_found() {
         ("passes/features/curvature", "- mean * axis.normal)", "- 0.9 * mean * axis.normal)"),
         ("passes/features/curvature", "0.5 * curvature_parameters.line + 0.5", "0.5 * curvature_parameters.line + 0.6"),
         ("passes/features/curvature", "max(normal.z, 0.05)", "max(normal.z, 0.3)"),
-        ("passes/features/curvature", "select(angle, -angle, convex)", "angle"),
+        ("passes/features/curvature", "select(angle, -angle, lines.convex)", "angle"),
         ("common/lighting", "SHOULDER_START: f32 = 0.75", "SHOULDER_START: f32 = 0.6"),
         ("passes/opacity/transfer", "max(2.0 * value - 1.0,", "max(2.0 * value - 0.95,"),
         ("passes/opacity/transfer", "vec2<f32>(depth01, abs(kappa))", "vec2<f32>(abs(kappa), depth01)"),

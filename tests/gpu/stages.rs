@@ -8,13 +8,13 @@ use pellucid::math::{Camera, LightLevels, LightRig};
 use pellucid::oracle::buckets::{Bucket, quantize_depth};
 use pellucid::oracle::stylize::{ColorMode, Tables};
 use pellucid::oracle::{
-    Fragment, Layers, Link, Neighbours, PackedKey, StoreData, View, WideKey, bucket_k_buffer, composite, curvature,
-    neighbours_expected, rasterize, shade, stylize,
+    Link, Neighbours, PackedKey, StoreData, View, WideKey, bucket_k_buffer, composite, curvature, neighbours_expected,
+    rasterize, shade, stylize,
 };
 use pellucid::plan::{Capture, Pass};
 use pellucid::render::{Renderer, StoreReadback};
 use pellucid::scene::Scene;
-use pellucid::settings::{DepthQuantization, DepthTerm, LightSettings, NormalEncoding, OpacityModel, Settings};
+use pellucid::settings::{DepthQuantization, DepthTerm, LightSettings, OpacityModel, Settings};
 use pellucid::transfer::{self, TransferFunction};
 
 use crate::common::*;

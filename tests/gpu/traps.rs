@@ -302,8 +302,9 @@ fn t07_neighbours_do_not_depend_on_the_unit_of_length() {
     assert!(differing * 1000 <= a.store.links.len() && worst < 1e-3);
     // As printed, |Δz|² is not divided by the part's radius.
     let printed = ("passes/features/neighbour_epsilon", " * seeker.inverse_radius;", ";");
-    let a = draw_changed(&mut r, printed, &scene, &camera, "", size);
-    let b = draw_changed(&mut r, printed, &large, &large_camera, "", size);
+    let row = "features.depth_term=printed";
+    let a = draw_changed(&mut r, printed, &scene, &camera, row, size);
+    let b = draw_changed(&mut r, printed, &large, &large_camera, row, size);
     println!("times 1000, as printed: {} of {} links differ", links(&a, &b), a.store.links.len());
     assert!(links(&a, &b) * 50 > a.store.links.len());
     // Nor on a far part, which a division by the scene's radius would bring in.
