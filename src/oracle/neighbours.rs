@@ -5,9 +5,10 @@
 //! its candidate in return. *Missing* says that the surface ends here, *unknown* that nobody can say: beyond the image,
 //! or where the adjacent list lost fragments (T10).
 //!
-//! With a view, depth_i is replaced by the depth at which the fragment's tangent plane crosses the adjacent pixel (T18).
+//! With a view, depth_i is replaced by the depth at which the fragment's tangent plane crosses the adjacent pixel (T18), and
+//! r by the height of a pixel there.
 //!
-//! An answer is ambiguous if the two best ε lie within 1e-6, here or in the reverse check.
+//! An answer is ambiguous if the two best ε lie within 1e-6 and what 4 ulp of the depths make, here or in the reverse check.
 
 use glam::{DVec3, Vec3};
 
@@ -107,11 +108,11 @@ pub fn neighbours_expected(
             let Some(q) = direction.step(p, width, height) else { continue };
             let none = if store.overflowed[q] { Link::Unknown } else { Link::Missing };
             links[d] = none;
-            let Some(found) = candidate(store, extents, expected_depth(store, slope, i, p, q), i, q) else { continue };
+            let Some(found) = candidate(store, &Measure::new(store, extents, slope, i, p, q), i, q) else { continue };
             ambiguous[d] = found.ambiguous;
             let agreed = if reverse_check {
                 let j = store.offsets[q] + found.layer;
-                let back = candidate(store, extents, expected_depth(store, slope, j, q, p), j, p);
+                let back = candidate(store, &Measure::new(store, extents, slope, j, q, p), j, p);
                 ambiguous[d] |= back.is_some_and(|b| b.ambiguous);
                 back.is_some_and(|b| store.offsets[p] + b.layer == i)
             } else {
@@ -147,14 +148,48 @@ fn expected_depth(store: &StoreData, slope: Option<&View>, i: usize, p: usize, q
     if toward > 0.05 && away > 0.0 { away / toward } else { depth }
 }
 
+/// How depth enters ε.
+struct Measure {
+    /// The depth that is expected.
+    expected: f64,
+    /// The length in which differences are measured: the part's radius as printed, the height of a pixel with a view.
+    unit: f64,
+    /// What 32-bit depths may be off by, in that length: 4 ulp of the depth itself, and of the expected one, which a plane
+    /// near the edge-on limit amplifies.
+    error: f64,
+}
+
+impl Measure {
+    fn new(store: &StoreData, extents: &Extents, slope: Option<&View>, i: usize, p: usize, q: usize) -> Measure {
+        let depth = store.depth[i];
+        let ulps = 4.0 * f64::from(f32::EPSILON) * depth.abs();
+        let expected = expected_depth(store, slope, i, p, q);
+        match slope {
+            None => {
+                let unit = extents.part_radius(store.part[i]);
+                Measure { expected, unit, error: ulps / unit }
+            }
+            Some(view) => {
+                let unit = view.pixel_size(depth).y;
+                let facing = f64::from(store.normal[i][2]).clamp(0.05, 1.0);
+                Measure { expected, unit, error: ulps / unit / facing }
+            }
+        }
+    }
+
+    /// What ε may be off by.
+    fn tolerance(&self, epsilon: f64) -> f64 {
+        TOLERANCE + 2.0 * epsilon.sqrt() * self.error + self.error * self.error
+    }
+}
+
 /// The fragment of pixel `q` that resembles fragment `i` most; the nearer layer among equals.
-fn candidate(store: &StoreData, extents: &Extents, expected: f64, i: usize, q: usize) -> Option<Candidate> {
-    let radius = extents.part_radius(store.part[i]);
+fn candidate(store: &StoreData, measure: &Measure, i: usize, q: usize) -> Option<Candidate> {
     let normal = |f: usize| -> DVec3 { Vec3::from(store.normal[f]).as_dvec3() };
     let mut best: Option<(usize, f64)> = None;
     let mut second = f64::INFINITY;
     for (layer, j) in store.range(q).enumerate().filter(|&(_, j)| store.part[j] == store.part[i]) {
-        let epsilon_z = (expected - store.depth[j]) / radius;
+        let epsilon_z = (measure.expected - store.depth[j]) / measure.unit;
         let epsilon = (1.0 - normal(i).dot(normal(j))) + epsilon_z * epsilon_z;
         match best {
             Some((_, smallest)) if epsilon >= smallest => second = second.min(epsilon),
@@ -164,7 +199,7 @@ fn candidate(store: &StoreData, extents: &Extents, expected: f64, i: usize, q: u
             }
         }
     }
-    best.map(|(layer, smallest)| Candidate { layer, ambiguous: second - smallest <= TOLERANCE })
+    best.map(|(layer, smallest)| Candidate { layer, ambiguous: second - smallest <= measure.tolerance(smallest) })
 }
 
 #[cfg(test)]

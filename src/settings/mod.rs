@@ -96,10 +96,10 @@ choice! {
 choice! {
     /// With which depth a candidate for a neighbour is compared.
     pub enum DepthTerm {
-        /// The depth at which the layer's tangent plane crosses the neighbouring pixel: thin walls stay apart (T18).
+        /// The depth at which the layer's tangent plane crosses the neighbouring pixel, in pixels: thin walls stay apart (T18).
         #[default]
         Slope = "slope",
-        /// The layer's own depth, as printed in Murray 2016.
+        /// The layer's own depth, as printed in Murray 2016, in radii of the part (T7).
         Printed = "printed",
     }
 }

@@ -301,7 +301,7 @@ fn t07_neighbours_do_not_depend_on_the_unit_of_length() {
     println!("times 1000: {differing} of {} links differ, kappa by {worst:e}", a.store.links.len());
     assert!(differing * 1000 <= a.store.links.len() && worst < 1e-3);
     // As printed, |Δz|² is not divided by the part's radius.
-    let printed = ("passes/features/neighbour_epsilon", " * seeker.inverse_radius;", ";");
+    let printed = ("passes/features/neighbour_epsilon", " * seeker.inverse_unit;", ";");
     let row = "features.depth_term=printed";
     let a = draw_changed(&mut r, printed, &scene, &camera, row, size);
     let b = draw_changed(&mut r, printed, &large, &large_camera, row, size);

@@ -3,13 +3,15 @@
 //@ use store/part_column
 //@ use store/part_table
 // How well a layer of an adjacent pixel continues a fragment: epsilon = epsilon_n + epsilon_z (Murray 2016, section 5.1).
-// Depth is in units of the part's radius, so that the choice depends neither on the unit of the file nor on other parts (T7).
+// Depth differences are measured in a length of the part or the view, so that the choice depends neither on the unit of the
+// file nor on other parts (T7).
 
 @group(1) @binding(8) var<storage, read_write> candidates: array<vec2<u32>>;
 
 struct Seeker {
     normal: vec3<f32>,
-    inverse_radius: f32,
+    // One over the length in which depth differences are measured.
+    inverse_unit: f32,
     // The depth that the surface is expected to have in each adjacent pixel.
     expected: vec4<f32>,
 }
@@ -17,12 +19,12 @@ struct Seeker {
 fn seeker_of(x: u32, row: u32, slot: u32, part: u32) -> Seeker {
     let normal = layer_normal(slot);
     let expected = expected_depths(x, row + frame.first_row, layer_view_depth(slot), normal);
-    return Seeker(normal, part_table[part].inverse_radius, expected);
+    return Seeker(normal, inverse_depth_unit(layer_view_depth(slot), part), expected);
 }
 
 // x: epsilon, y: epsilon_z alone.
 fn neighbour_epsilon(seeker: Seeker, direction: u32, slot: u32) -> vec2<f32> {
-    let dz = (seeker.expected[direction] - layer_view_depth(slot)) * seeker.inverse_radius;
+    let dz = (seeker.expected[direction] - layer_view_depth(slot)) * seeker.inverse_unit;
     let epsilon_z = dz * dz;
     // Half the squared chord is 1 - cosine without its cancellation, which in 32 bits hides walls thinner than 1/3000 of
     // their part's radius.

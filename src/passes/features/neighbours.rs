@@ -1,11 +1,17 @@
 //! The four neighbours of every layer: in each adjacent pixel the layer of the same part that continues the surface
 //! (Murray 2016, section 5.1, after Carnecky 2013).
 //!
-//! A candidate has the least ε = ε_n + ε_z, with ε_n = 1 − n·n' and ε_z the squared depth difference in radii of the part
-//! (T7: the printed formula adds a length squared to a number). The difference is taken to the depth at which the layer's tangent
-//! plane crosses the neighbouring pixel, not to the layer's own depth as printed: where a thin wall is seen at a slant, depth
-//! changes by more than its thickness from pixel to pixel, and its two faces would be taken for each other (T18; the printed
-//! form is a setting). A candidate that does not see the layer as its own candidate
+//! A candidate has the least ε = ε_n + ε_z, with ε_n = 1 − n·n' and ε_z a squared depth difference without a unit (T7: the
+//! printed formula adds a length squared to a number). Two ways, a setting:
+//!
+//! - `Printed`: the difference to the layer's own depth, in radii of the part. Where a thin wall is seen at a slant, depth
+//!   changes by more than its thickness from pixel to pixel, and its two faces are taken for each other: the wall falls apart
+//!   into rims.
+//! - `Slope`, ours and the default: the difference to the depth at which the layer's tangent plane crosses the neighbouring
+//!   pixel (T18), in heights of a pixel there. Along a surface that is right to a small part of a pixel, however thin the wall.
+//!   Neither the unit of the file nor other parts enter (T7).
+//!
+//! A candidate that does not see the layer as its own candidate
 //! is no neighbour (reverse check). *Missing* means the surface ends; *unknown* means nothing can be said: beyond the image,
 //! or in a pixel that lost layers (T10).
 //!
