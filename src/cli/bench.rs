@@ -251,7 +251,7 @@ fn buckets(args: &BucketsArgs, progress: &Progress) -> Result<(), Failure> {
         }
         let time = |candidate: &Candidate, passes: &[Pass]| -> f64 {
             let medians = median_passes(&candidate.passes);
-            medians.iter().filter(|t| passes.contains(&t.pass)).map(|t| t.milliseconds).sum()
+            medians.iter().filter(|t| passes.contains(&t.pass)).map(|t| t.milliseconds).fold(0.0, |a, b| a + b)
         };
         let features = [Pass::NeighbourCandidates, Pass::NeighbourLinks, Pass::Curvature];
         let (a, b) = (time(&candidates[0], &features), time(&candidates[1], &features));
