@@ -1,6 +1,6 @@
 //@ use passes/lit_color
 //@ use common/packing
-//@ use store/normals
+//@ use store/shapes
 //@ use store/lit
 // Shade: light falls on every stored layer, once, whatever captured it.
 
@@ -23,7 +23,8 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     for (var layer = 0u; layer < count; layer++) {
         let slot = base + layer;
         let words = materials[slot];
-        let eye = to_eye(position_in_view(id.x, y, layer_view_depth(slot)));
-        store_lit(slot, lit_color(layer_color(slot), layer_normal(slot), words, eye));
+        let shape = layer_shape(slot);
+        let eye = to_eye(position_in_view(id.x, y, shape.depth));
+        store_lit(slot, lit_color(layer_color(slot), shape.normal, words, eye));
     }
 }

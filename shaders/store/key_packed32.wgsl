@@ -4,6 +4,10 @@
 
 @group(1) @binding(2) var<storage, read_write> keys: array<u32>;
 
-fn layer_view_depth(slot: u32) -> f32 {
-    return view_depth_of_packed(keys[slot] >> 16u);
+fn depth_word(key: u32) -> u32 {
+    return key >> 16u;
+}
+
+fn view_depth_of_word(word: u32) -> f32 {
+    return view_depth_of_packed(word);
 }

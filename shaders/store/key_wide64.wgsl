@@ -3,6 +3,10 @@
 
 @group(1) @binding(2) var<storage, read_write> keys: array<vec2<u32>>;
 
-fn layer_view_depth(slot: u32) -> f32 {
-    return view_depth_of_key(keys[slot].y);
+fn depth_word(key: vec2<u32>) -> u32 {
+    return key.y;
+}
+
+fn view_depth_of_word(word: u32) -> f32 {
+    return view_depth_of_key(word);
 }

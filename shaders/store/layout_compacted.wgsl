@@ -4,8 +4,13 @@
 @group(1) @binding(0) var<storage, read_write> pixel_table: array<u32>;
 
 struct StoreLayout {
+    // Slots a pixel, where rows have a fixed length.
     k: u32,
+    // Slots in the whole store.
     capacity: u32,
+    // Layers of a pixel that one invocation takes in passes that read lists of other pixels for each of them.
+    chunk: u32,
+    _pad: u32,
 }
 @group(1) @binding(1) var<uniform> store_layout: StoreLayout;
 

@@ -61,7 +61,7 @@ impl Session {
 
 fn failed(error: RenderError) -> Failure {
     let exit = match &error {
-        RenderError::Refused(_) | RenderError::RowTooDeep { .. } => Exit::Limits,
+        RenderError::Refused(_) | RenderError::RowTooDeep { .. } | RenderError::PixelTooDeep { .. } => Exit::Limits,
         RenderError::Gpu(GpuError::OutOfMemory { .. } | GpuError::Exhausted) => Exit::Limits,
         _ => Exit::General,
     };

@@ -12,7 +12,7 @@ use std::sync::{Arc, Mutex};
 
 use serde::Serialize;
 
-use crate::plan::Capabilities;
+use crate::plan::{self, Capabilities};
 
 pub use buffers::{Resource, Resources};
 pub use kernel::{Kernel, RasterKernel, RasterSpec, SharedLayouts};
@@ -150,6 +150,7 @@ fn facts_of(adapter: &wgpu::Adapter, options: &GpuOptions) -> AdapterFacts {
         max_texture: limits.max_texture_dimension_2d,
         max_storage_buffers: limits.max_storage_buffers_per_shader_stage,
         atomic_min_64: features.contains(atomics),
+        most_layers: if info.driver == "llvmpipe" { plan::MOST_LAYERS_LLVMPIPE } else { plan::MOST_LAYERS },
     };
     let flags = adapter.get_downlevel_capabilities().flags;
     let missing: Vec<&str> = [

@@ -21,7 +21,7 @@ pub use uniforms::{
 };
 
 use crate::gpu::{Gpu, GpuError, Recorder, Resources, ShaderSpec, Shaders};
-use crate::plan::{Band, FramePlan, Pass};
+use crate::plan::{Band, Capture, FramePlan, Pass};
 
 /// What every pass gets: device, shaders, the plan, the band at work and the resources.
 pub struct Context<'a> {
@@ -58,12 +58,26 @@ impl Context<'_> {
         self.plan.size[0]
     }
 
-    /// Runs a kernel once for every pixel of the band, in groups of 8×8.
+    /// Runs a kernel once for every pixel of the band, in groups of 16×16.
     ///
     /// # Errors
     /// [`GpuError`] if the shader does not compile or a resource is missing.
     pub fn per_pixel(&mut self, pass: Pass, spec: &ShaderSpec, entry: &str) -> Result<(), GpuError> {
         let groups = [self.width().div_ceil(16), self.rows().div_ceil(16), 1];
+        self.compute(pass, spec, entry, groups)
+    }
+
+    /// Runs a kernel once for every pixel of the band and every chunk of its layers ([`features::chunk`]).
+    ///
+    /// # Errors
+    /// [`GpuError`] if the shader does not compile or a resource is missing.
+    pub fn per_chunk(&mut self, pass: Pass, spec: &ShaderSpec, entry: &str) -> Result<(), GpuError> {
+        let longest = match self.plan.capture {
+            Capture::BucketedKBuffer { k, .. } => k,
+            Capture::Compacted | Capture::None => self.deepest,
+        };
+        let chunks = longest.div_ceil(features::chunk(self.plan, longest)).max(1);
+        let groups = [self.width().div_ceil(16), self.rows().div_ceil(16), chunks];
         self.compute(pass, spec, entry, groups)
     }
 

@@ -77,9 +77,12 @@ fn shaders_of(plan: &FramePlan, pass: Pass) -> Vec<Used> {
         Pass::BucketCreation => one(buckets::bucket_creation_spec(plan)),
         Pass::DataStorage => drawn(Vertices::Surface, &|v| bucketed_k_buffer::data_storage_spec(plan, v)),
         Pass::NeighbourCandidates => {
-            plan.features.iter().map(|f| (neighbours::candidates_spec(plan, f.search), MAIN)).collect()
+            plan.features.iter().map(|f| (neighbours::candidates_spec(plan, f), MAIN)).collect()
         }
-        Pass::NeighbourLinks => one(neighbours::links_spec(plan)),
+        Pass::NeighbourLinks => {
+            let links = plan.features.iter();
+            links.map(|f| (neighbours::links_spec(plan, f), neighbours::links_entries(f))).collect()
+        }
         Pass::Curvature => plan.features.iter().map(|f| (curvature::spec(plan, f), MAIN)).collect(),
         Pass::Shade => one(shade::spec(plan)),
         Pass::Stylize => one(opacity::spec(plan)),

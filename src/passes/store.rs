@@ -1,8 +1,8 @@
 //! The FragmentStore: which shader modules give access to its columns for a plan.
 //!
 //! Layers of a pixel lie in depth order from `layer_base(pixel)` on, `layer_count(pixel)` of them. Columns are buffers of one
-//! element a layer, named as in the shaders: `keys`, `normals`, `colors`, `materials`, `lit`, and where planned `parts`,
-//! `by_part`, `buckets`, `candidates`, `links`, `kappas`. A pass binds only the columns that it names.
+//! element a layer, named as in the shaders: `keys`, `shapes`, `colors`, `materials`, `lit`, and where planned `parts`,
+//! `by_part`, `buckets`, `candidates_…`, `links_…`, `kappas`. A pass binds only the columns that it names.
 
 use crate::gpu::ShaderSpec;
 use crate::plan::{Capture, FramePlan};

@@ -42,8 +42,10 @@ pub struct StoreLayout {
     pub k: u32,
     /// Slots in the whole store.
     pub capacity: u32,
+    /// Layers of a pixel that one invocation takes in passes that read other pixels' lists for each of them.
+    pub chunk: u32,
     /// Unused.
-    pub _pad: [u32; 2],
+    pub _pad: u32,
 }
 
 /// `Instance` in `scene/instance.wgsl`.

@@ -46,7 +46,7 @@ fn columns(plan: &FramePlan) -> Vec<(&'static str, u64)> {
     };
     let mut all = vec![
         ("keys", if wide { 8 } else { 4 }),
-        ("normals", 4),
+        ("shapes", 8),
         ("colors", if wide { 8 } else { 4 }),
         ("materials", 8),
         ("lit", 8),
@@ -67,10 +67,10 @@ fn columns(plan: &FramePlan) -> Vec<(&'static str, u64)> {
         all.extend([("by_part", 4), ("buckets", 8)]);
     }
     if plan.runs(Pass::NeighbourCandidates) {
-        all.push(("candidates", 8));
+        all.extend([("candidates_ahead", 4), ("candidates_behind", 8)]);
     }
     if plan.runs(Pass::NeighbourLinks) {
-        all.push(("links", 8));
+        all.extend([("links_ahead", 4), ("links_behind", 8)]);
     }
     if plan.runs(Pass::Curvature) {
         all.push(("kappas", 4));

@@ -139,7 +139,17 @@ pub struct Capabilities {
     pub max_storage_buffers: u32,
     /// Atomic minimum on 64-bit integers that returns the old value.
     pub atomic_min_64: bool,
+    /// Most layers that a pixel's list may have.
+    pub most_layers: u32,
 }
+
+/// Most layers of a pixel: links and positions in buckets have 16 bits, two values of which mean something else.
+pub const MOST_LAYERS: u32 = 65_533;
+
+/// Most layers of a pixel on Mesa's software rasterizer. An invocation may go through 65 535 rounds of loops there, all its
+/// loops together; then they end in silence, wherever they are. Sorting a list takes about 2 n log2 n rounds, searching the
+/// neighbours of one layer up to 4 n.
+pub const MOST_LAYERS_LLVMPIPE: u32 = 2048;
 
 impl Capabilities {
     /// Bytes that one buffer of a frame may have. Shaders number words of 4 bytes with 32 bits, whatever the adapter allows.
@@ -157,6 +167,7 @@ impl Default for Capabilities {
             max_texture: 8192,
             max_storage_buffers: 8,
             atomic_min_64: false,
+            most_layers: MOST_LAYERS,
         }
     }
 }
@@ -455,11 +466,19 @@ fn choose_features(
     let shorter = f64::from(size[0].min(size[1]));
     let radius = (c.radius * shorter).round().max(1.0) as u32;
     let line = (c.line_width * shorter).max(1.0);
-    let search = if scene.parts <= 1 && settings.features.neighbours == NeighbourSearch::Buckets {
-        draft.skip("buckets", "the scene has one part: every layer is in the same bucket");
-        NeighbourSearch::BruteForce
+    let no_buckets = if scene.parts <= 1 {
+        Some("the scene has one part: every layer is in the same bucket")
+    } else if !settings.features.reverse_check {
+        Some("features.reverse_check is off: the search by buckets includes it")
     } else {
-        settings.features.neighbours
+        None
+    };
+    let search = match (settings.features.neighbours, no_buckets) {
+        (NeighbourSearch::Buckets, Some(why)) => {
+            draft.skip("buckets", why);
+            NeighbourSearch::BruteForce
+        }
+        (search, _) => search,
     };
     let (unit, scale_by_part) = match c.unit {
         CurvatureUnit::View => (view.visible_height, false),
@@ -539,11 +558,16 @@ fn plan_layers(
         }
     }
     if let Some(f) = features {
-        draft.run(Pass::NeighbourCandidates, "curvature needs neighbours");
-        if f.reverse_check {
-            draft.run(Pass::NeighbourLinks, "a neighbour must see the layer as its own (Murray 2016, Figure 5)");
+        let check = "a neighbour must see the layer as its own (Murray 2016, Figure 5)";
+        if f.search == NeighbourSearch::Buckets {
+            draft.run(Pass::NeighbourLinks, format!("curvature needs neighbours; {check}"));
         } else {
-            draft.skip("neighbour links", "features.reverse_check is off");
+            draft.run(Pass::NeighbourCandidates, "curvature needs neighbours");
+            if f.reverse_check {
+                draft.run(Pass::NeighbourLinks, check);
+            } else {
+                draft.skip("neighbour links", "features.reverse_check is off");
+            }
         }
         draft.run(Pass::Curvature, "a transfer function varies with curvature");
     } else {

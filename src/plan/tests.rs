@@ -43,8 +43,7 @@ fn skipped<'a>(plan: &'a FramePlan, what: &str) -> &'a str {
     &plan.skipped.iter().find(|s| s.what.contains(what)).unwrap_or_else(|| panic!("'{what}' is not skipped")).reason
 }
 
-const FEATURES: [Pass; 5] =
-    [Pass::ZReordering, Pass::BucketCreation, Pass::NeighbourCandidates, Pass::NeighbourLinks, Pass::Curvature];
+const FEATURES: [Pass; 4] = [Pass::ZReordering, Pass::BucketCreation, Pass::NeighbourLinks, Pass::Curvature];
 
 #[test]
 fn constant_functions_need_no_neighbours_and_no_curvature() {
@@ -59,7 +58,7 @@ fn constant_functions_need_no_neighbours_and_no_curvature() {
         assert_eq!((plain.features, plain.apron), (None, 0));
         assert_eq!(skipped(&plain, "neighbours"), "no transfer function varies with curvature");
         let columns: Vec<_> = plain.columns().into_iter().map(|(name, _)| name).collect();
-        for absent in ["parts", "by_part", "buckets", "candidates", "links", "kappas", "class_pixels"] {
+        for absent in ["parts", "by_part", "buckets", "candidates_ahead", "links_ahead", "kappas", "class_pixels"] {
             assert!(!columns.contains(&absent), "{absent}");
         }
         assert!(plain.total_bytes() < with.total_bytes());
@@ -127,7 +126,7 @@ fn one_sample_needs_no_sums_and_no_reverse_check_no_links() {
     settings.features.reverse_check = false;
     let plan = planned(&settings, &usual());
     assert!(plan.runs(Pass::Accumulate) && names(&plan).contains(&"sums"));
-    assert!(!plan.runs(Pass::NeighbourLinks) && !names(&plan).contains(&"links"));
+    assert!(!plan.runs(Pass::NeighbourLinks) && !names(&plan).contains(&"links_ahead"));
     assert_eq!(skipped(&plan, "neighbour links"), "features.reverse_check is off");
 }
 
@@ -150,8 +149,8 @@ fn an_unplanned_pass_allocates_nothing() {
                 for (buffer, pass) in [
                     ("by_part", Pass::ZReordering),
                     ("buckets", Pass::BucketCreation),
-                    ("candidates", Pass::NeighbourCandidates),
-                    ("links", Pass::NeighbourLinks),
+                    ("candidates_ahead", Pass::NeighbourCandidates),
+                    ("links_behind", Pass::NeighbourLinks),
                     ("kappas", Pass::Curvature),
                     ("lit", Pass::Shade),
                     ("tally", Pass::ZInsertion),
@@ -379,7 +378,14 @@ fn any_adapter() -> impl Strategy<Value = Capabilities> {
     (16_u32..34, 24_u32..34, any::<bool>(), 8_u32..14).prop_map(
         |(binding, buffer, atomic_min_64, max_storage_buffers)| {
             let (max_binding, max_buffer) = (1_u64 << binding, 1_u64 << buffer);
-            Capabilities { max_binding, max_buffer, max_texture: 8192, max_storage_buffers, atomic_min_64 }
+            Capabilities {
+                max_binding,
+                max_buffer,
+                max_texture: 8192,
+                max_storage_buffers,
+                atomic_min_64,
+                most_layers: 65_533,
+            }
         },
     )
 }

@@ -11,7 +11,7 @@ use crate::math::{Camera, LinearImage, Projection, ViewFrustum};
 use crate::passes::capture::{
     BAND_DEEPEST, LayerCounts, STATISTICS_WORDS, bucketed_k_buffer, buckets, compacted, sort,
 };
-use crate::passes::features::{curvature, neighbours};
+use crate::passes::features::{self, curvature, neighbours};
 use crate::passes::geometry::{GpuScene, Instances};
 use crate::passes::{BlendParameters, Context, FrameUniform, StoreLayout, composite, opacity, opaque, shade};
 use crate::plan::{self, Band, Capture, FramePlan, Opacity, Pass};
@@ -287,13 +287,17 @@ fn draw_compacted(
         rows.extend(words("row_sums", u64::from(end - first))?.into_iter().map(u64::from));
         deepest = deepest.max(words("statistics", STATISTICS_WORDS as u64)?[BAND_DEEPEST]);
     }
+    let most = renderer.gpu.capabilities().most_layers;
+    if deepest > most {
+        return Err(RenderError::PixelTooDeep { layers: deepest, limit: most });
+    }
     let limit = renderer.gpu.capabilities().largest_buffer() / 8;
     let bands = plan::bands_of_rows(&rows, plan.apron, limit, plan.most_rows)
         .map_err(|(row, fragments)| RenderError::RowTooDeep { row, fragments, limit })?;
     let single = bands.len() == 1;
     for band in bands {
         let fragments = rows[band.first_row as usize..band.end_row as usize].iter().sum();
-        ensure_fragments(renderer, plan, fragments)?;
+        ensure_fragments(renderer, plan, fragments, deepest)?;
         let mut work = Work::new(renderer, plan, view, band, blank)?;
         let mut context = work.context();
         context.deepest = deepest;
@@ -333,10 +337,7 @@ fn bucket_passes(context: &mut Context<'_>) -> Result<(), GpuError> {
 /// Stages 2 to 4: the same for every capture.
 fn finish_layers(context: &mut Context<'_>) -> Result<(), GpuError> {
     if let Some(features) = context.plan.features {
-        neighbours::candidates(context, features.search)?;
-        if features.reverse_check {
-            neighbours::links(context)?;
-        }
+        neighbours::search(context, &features)?;
         curvature::curvature(context, &features)?;
     }
     shade::shade(context)?;
@@ -456,12 +457,12 @@ fn accumulate(
 }
 
 /// Makes room for the fragments of a band.
-fn ensure_fragments(renderer: &mut Renderer, plan: &FramePlan, fragments: u64) -> Result<(), GpuError> {
+fn ensure_fragments(renderer: &mut Renderer, plan: &FramePlan, fragments: u64, deepest: u32) -> Result<(), GpuError> {
     let gpu = renderer.gpu.clone();
     for (name, bytes) in plan.columns() {
         renderer.resources.ensure(&gpu, name, bytes * fragments)?;
     }
-    let layout = StoreLayout { k: 0, capacity: fragments as u32, _pad: [0; 2] };
+    let layout = StoreLayout { k: 0, capacity: fragments as u32, chunk: features::chunk(plan, deepest), _pad: 0 };
     renderer.resources.set("store_layout", Resource::Buffer(gpu.uniform("store_layout", &layout)?));
     aliases(renderer, plan);
     Ok(())
@@ -470,7 +471,8 @@ fn ensure_fragments(renderer: &mut Renderer, plan: &FramePlan, fragments: u64) -
 /// Names under which shaders know the same buffer. To be called whenever one of them may be another buffer.
 fn aliases(renderer: &mut Renderer, plan: &FramePlan) {
     if plan.runs(Pass::NeighbourCandidates) && !plan.runs(Pass::NeighbourLinks) {
-        renderer.resources.alias("links", "candidates");
+        renderer.resources.alias("links_ahead", "candidates_ahead");
+        renderer.resources.alias("links_behind", "candidates_behind");
     }
     for (alias, name) in [("atomic_keys", "keys"), ("key_words", "keys"), ("pixel_counts", "pixel_table")] {
         renderer.resources.alias(alias, name);
@@ -527,7 +529,7 @@ fn bind_settings(
     }
     if let Capture::BucketedKBuffer { k, .. } = plan.capture {
         let slots = plan.bands.iter().map(|b| b.end_row - b.first_row).max().unwrap_or(0) * plan.size[0] * k;
-        let layout = StoreLayout { k, capacity: slots, _pad: [0; 2] };
+        let layout = StoreLayout { k, capacity: slots, chunk: features::chunk(plan, k), _pad: 0 };
         resources.set("store_layout", Resource::Buffer(gpu.uniform("store_layout", &layout)?));
     }
     aliases(renderer, plan);

@@ -28,6 +28,17 @@ pub enum RenderError {
     /// The transfer functions could not be read.
     #[error(transparent)]
     Transfer(#[from] TransferError),
+    /// One pixel has more layers than a list may have.
+    #[error(
+        "a pixel has {layers} layers; a list holds {limit}. capture.kind = bucketed_k_buffer keeps the nearest k and counts \
+         the rest"
+    )]
+    PixelTooDeep {
+        /// Layers of the deepest pixel.
+        layers: u32,
+        /// Layers that a list may have.
+        limit: u32,
+    },
     /// One row of pixels has more fragments than a binding holds.
     #[error(
         "row {row} of the image has {fragments} fragments with its neighbours; a binding of this adapter holds {limit}. \

@@ -127,13 +127,13 @@ impl Renderer {
         let wide = plan.capture.is_wide();
         let table = self.read_words("pixel_table")?;
         let keys = self.read_words("keys")?;
-        let normals = self.read_words("normals")?;
+        let shapes = self.read_words("shapes")?;
         let colors = self.read_words("colors")?;
         let materials = self.read_words("materials")?;
         let lit = self.read_words("lit")?;
         let parts = self.read_optional("parts")?;
-        let links_name = if plan.features.is_some_and(|f| f.reverse_check) { "links" } else { "candidates" };
-        let links = self.read_optional(links_name)?;
+        let ahead = self.read_optional("links_ahead")?;
+        let behind = self.read_optional("links_behind")?;
         let kappas = self.read_optional("kappas")?;
         let by_part = self.read_optional("by_part")?;
         let buckets = self.read_optional("buckets")?;
@@ -176,8 +176,8 @@ impl Renderer {
                 store.depth.push(depth);
                 store.normal.push(
                     match plan.normals {
-                        NormalEncoding::Octahedral => unpack_octahedral(normals[i]),
-                        NormalEncoding::Xy15 => unpack_xy15(normals[i]),
+                        NormalEncoding::Octahedral => unpack_octahedral(shapes[2 * i + 1]),
+                        NormalEncoding::Xy15 => unpack_xy15(shapes[2 * i + 1]),
                     }
                     .to_array(),
                 );
@@ -200,14 +200,14 @@ impl Renderer {
                 out.words.push([
                     depth_key,
                     triangle,
-                    normals[i],
+                    shapes[2 * i + 1],
                     color_words[0],
                     color_words[1],
                     word,
                     materials[2 * i + 1],
                 ]);
-                if !links.is_empty() {
-                    let l = [links[2 * i], links[2 * i] >> 16, links[2 * i + 1], links[2 * i + 1] >> 16];
+                if !ahead.is_empty() {
+                    let l = [ahead[i], behind[2 * i], ahead[i] >> 16, behind[2 * i + 1]];
                     out.links.push(l.map(|v| match v & 0xFFFF {
                         0xFFFF => Link::Missing,
                         0xFFFE => Link::Unknown,

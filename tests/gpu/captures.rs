@@ -103,7 +103,7 @@ fn t27_the_order_of_drawing_changes_no_bit() {
 fn buckets_and_brute_force_find_the_same_neighbours() {
     let Some(mut r) = renderer() else { return };
     for (name, scene, camera) in views() {
-        for row in ["kind=compacted", "kind=bkb k=24", "kind=bkb k=5", "kind=bkb k=5 reverse=false"] {
+        for row in ["kind=compacted", "kind=bkb k=24", "kind=bkb k=5", "kind=bkb k=5 features.depth_term=printed"] {
             let buckets = draw(&mut r, &scene, &camera, &lively_settings(&format!("{row} search=buckets")), SIZE);
             let brute = draw(&mut r, &scene, &camera, &lively_settings(&format!("{row} search=brute_force")), SIZE);
             assert!(buckets.frame.report.plan.runs(Pass::BucketCreation));
@@ -121,18 +121,12 @@ fn an_earlier_frame_leaves_no_trace() {
     for (name, scene, _) in views() {
         let camera = front(&scene, false);
         for row in ["kind=bkb k=16", "kind=compacted"] {
-            let s = lively_settings(&format!("{row} reverse=false"));
+            let s = lively_settings(row);
             let close = Camera { projection: Projection::Orthographic { height: 1.0 }, ..front(&full, true) };
             draw(&mut r, &full, &close, &s, SIZE);
             let after = draw(&mut r, &scene, &camera, &s, SIZE);
             assert!(after.store.layers.counts.iter().filter(|&&c| c == 0).count() > 500);
-            let brute = draw(
-                &mut r,
-                &scene,
-                &camera,
-                &lively_settings(&format!("{row} reverse=false search=brute_force")),
-                SIZE,
-            );
+            let brute = draw(&mut r, &scene, &camera, &lively_settings(&format!("{row} search=brute_force")), SIZE);
             after.assert_same(&brute, &format!("{name}, {row}"));
         }
     }

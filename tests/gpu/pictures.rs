@@ -81,7 +81,8 @@ fn planted_errors_are_found() {
     let Some(mut r) = renderer() else { return };
     let scene = meshes::assembly(1);
     let camera = camera(&scene, false);
-    let rows = ["kind=bkb k=5 radius=0.04 line=0.02", "kind=compacted curvature=view_centred radius=0.04"];
+    let rows =
+        ["kind=bkb k=5 radius=0.04 line=0.02", "kind=compacted search=brute_force curvature=view_centred radius=0.04"];
     let size = [80, 64];
     for (module, from, to) in [
         ("scene/material", "return front_facing != ", "return front_facing == "),
@@ -97,8 +98,10 @@ fn planted_errors_are_found() {
         ),
         ("passes/buckets/bucket_creation", "var index = part % slots;", "var index = (part + 1u) % slots;"),
         ("passes/features/neighbour_epsilon", "let epsilon_z = dz * dz;", "let epsilon_z = abs(dz);"),
-        ("passes/features/neighbour_epsilon", "select(MISSING, UNKNOWN, overflowed(other))", "MISSING"),
-        ("passes/features/neighbour_links", "pixel + 1u, 1u, layer)", "pixel + 1u, 0u, layer)"),
+        ("passes/features/links_by_buckets", "(x * x + y * y + z * z) + dz * dz", "(x * x + y * y + z * z) + abs(dz)"),
+        ("passes/features/links_by_buckets", "pick(backward.index, j) == i", "true"),
+        ("store/links", "select(MISSING, UNKNOWN, overflowed(other))", "MISSING"),
+        ("passes/features/reverse_check", "pixel + 1u, 1u, layer)", "pixel + 1u, 0u, layer)"),
         ("passes/features/curvature", "- mean * axis.normal)", "- 0.9 * mean * axis.normal)"),
         ("passes/features/curvature", "0.5 * curvature_parameters.line + 0.5", "0.5 * curvature_parameters.line + 0.6"),
         ("passes/features/curvature", "max(normal.z, 0.05)", "max(normal.z, 0.3)"),

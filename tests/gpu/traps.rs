@@ -285,6 +285,104 @@ fn t06_a_full_bucket_table_is_searched_to_its_end_and_no_further() {
     shot.assert_same(&brute, "full tables");
 }
 
+/// Where sheets of a part begin in front of others, a layer's neighbour has another rank in its bucket: searches that hold
+/// layers of the same rank against each other must go on beyond them.
+#[test]
+fn t04_neighbours_of_another_rank_are_found() {
+    let Some(mut r) = renderer() else { return };
+    let size = [8, 8];
+    // Three sheets in front only on one side, three in the middle only on the other.
+    let scene_of = |side: f64| {
+        let mut sheets = Primitive::default();
+        for i in 0..13_u32 {
+            let shift = if i >= 10 { side } else { -side * f64::from(u8::from((4..7).contains(&i))) };
+            let sheet = meshes::square(1.0, -0.5 + 0.07 * f64::from(i));
+            meshes::append(&mut sheets, &meshes::moved(sheet, DVec3::X * shift));
+        }
+        meshes::parts(vec![sheets, meshes::square(1.0, 0.9)])
+    };
+    let camera = Camera { projection: Projection::Orthographic { height: 0.5 }, ..front(&scene_of(1.0), true) };
+    let [a, b] = [-1.0, 1.0].map(|side| {
+        let scene = scene_of(side);
+        let shot = ours(&mut r, &scene, &camera, "", size);
+        shot.assert_same(&ours(&mut r, &scene, &camera, "search=brute_force", size), "by rank and by brute force");
+        (scene, shot)
+    });
+    let to = |pixel: usize, direction: usize| {
+        let range = a.1.store.layers.range(pixel);
+        a.1.store.links[range].iter().map(|l| l[direction]).collect::<Vec<_>>()
+    };
+    // Left of the middle, from the front: the other part, 12 to 10, 9 to 7, 3 to 0; right: the other part, 9 to 0.
+    use Link::{Missing, To};
+    let right: Vec<Link> = [To(0)].into_iter().chain([Missing; 3]).chain([1, 2, 3, 7, 8, 9, 10].map(To)).collect();
+    let left: Vec<Link> = [0, 4, 5, 6].map(To).into_iter().chain([Missing; 3]).chain([7, 8, 9, 10].map(To)).collect();
+    assert_eq!((to(8 * 4 + 3, 0), to(8 * 4 + 4, 1)), (right, left));
+    for (from, into) in [
+        ("let nothing_before = others.begin == others.bucket.first;", "let nothing_before = true;"),
+        ("let nothing_after = others.begin + others.count == others.bucket.end;", "let nothing_after = true;"),
+        ("search_both_ways(own, i, bucket, start + i, way, none)", "none"),
+    ] {
+        let change = ("passes/features/links_by_buckets", from, into);
+        let seen = [&a, &b].map(|(scene, shot)| {
+            draw_changed(&mut r, change, scene, &camera, "", size).store.links != shot.store.links
+        });
+        assert!(seen.contains(&true), "'{from}' became '{into}' and nothing changed");
+    }
+}
+
+/// Long lists are sorted and searched whole up to the adapter's limit, and refused beyond: lavapipe ends all loops of an
+/// invocation after 65 535 rounds together, without a word.
+#[test]
+fn t04_lists_are_whole_up_to_their_limit_and_refused_beyond() {
+    let Some(mut r) = renderer() else { return };
+    let size = [2, 2];
+    let most = r.gpu().capabilities().most_layers;
+    // Sheets of two parts in turn.
+    let stack = |layers: u32| {
+        let mut sheets = [Primitive::default(), Primitive::default()];
+        for i in 0..layers {
+            let z = -0.5 + f64::from(i) / f64::from(layers);
+            meshes::append(&mut sheets[i as usize % 2], &meshes::square(1.0, z));
+        }
+        meshes::parts(sheets.into())
+    };
+    for layers in [100, 700, most.min(2048)] {
+        let deep = stack(layers);
+        let camera = Camera { projection: Projection::Orthographic { height: 1.0 }, ..front(&deep, true) };
+        let shot = draw(&mut r, &deep, &camera, &settings("radius=0.05"), size);
+        let store = &shot.store.layers;
+        assert_eq!(store.counts, [layers; 4]);
+        for pixel in 0..4 {
+            let keys: HashSet<u32> = store.triangle[store.range(pixel)].iter().copied().collect();
+            assert_eq!(keys.len(), layers as usize, "a layer is there twice");
+            assert!(store.depth_key[store.range(pixel)].is_sorted());
+            let links = &shot.store.links[store.range(pixel)];
+            let (right, down) = (pixel % 2 == 0, pixel < 2);
+            for (layer, links) in links.iter().enumerate() {
+                let to = Link::To(layer as u32);
+                let expected = [right, !right, down, !down].map(|inside| if inside { to } else { Link::Unknown });
+                assert_eq!(*links, expected, "layer {layer} of {layers}, pixel {pixel}");
+            }
+        }
+        let brute = draw(&mut r, &deep, &camera, &settings("radius=0.05 search=brute_force"), size);
+        shot.assert_same(&brute, "buckets and brute force");
+    }
+    if most > 2048 {
+        return;
+    }
+    let deeper = stack(most + 1);
+    let camera = Camera { projection: Projection::Orthographic { height: 1.0 }, ..front(&deeper, true) };
+    let scene = r.load(&deeper).unwrap();
+    let refusal = r.render(&scene, &camera, &settings("model=constant"), size).unwrap_err();
+    assert!(
+        matches!(refusal, RenderError::PixelTooDeep { layers, limit } if (layers, limit) == (most + 1, most)),
+        "{refusal}"
+    );
+    let keep = settings("model=constant kind=bkb k=16");
+    let kept = r.render(&scene, &camera, &keep, size).unwrap().report.layers;
+    assert_eq!((kept.stored, kept.dropped), (4 * 16, 4 * (u64::from(most) + 1 - 16)));
+}
+
 #[test]
 fn t07_neighbours_do_not_depend_on_the_unit_of_length() {
     let Some(mut r) = renderer() else { return };
@@ -301,8 +399,8 @@ fn t07_neighbours_do_not_depend_on_the_unit_of_length() {
     println!("times 1000: {differing} of {} links differ, kappa by {worst:e}", a.store.links.len());
     assert!(differing * 1000 <= a.store.links.len() && worst < 1e-3);
     // As printed, |Δz|² is not divided by the part's radius.
-    let printed = ("passes/features/neighbour_epsilon", " * seeker.inverse_unit;", ";");
-    let row = "features.depth_term=printed";
+    let printed = ("passes/features/neighbour_epsilon", " * inverse_unit;", ";");
+    let row = "features.depth_term=printed search=brute_force";
     let a = draw_changed(&mut r, printed, &scene, &camera, row, size);
     let b = draw_changed(&mut r, printed, &large, &large_camera, row, size);
     println!("times 1000, as printed: {} of {} links differ", links(&a, &b), a.store.links.len());

@@ -223,7 +223,7 @@ fn twins() -> Vec<Twin> {
             clip_from_view, unproject, size, first_row, end_row, first_output_row, end_output_row, orthographic, _pad,
             near, far, depth_min, depth_scale
         }),
-        twin!(StoreLayout = "StoreLayout" { k, capacity, _pad }),
+        twin!(StoreLayout = "StoreLayout" { k, capacity, chunk, _pad }),
         twin!(InstanceUniform = "Instance" { view_x, view_y, view_z, normal_x, normal_y, normal_z, ids }),
         twin!(MaterialUniform = "Material" { base_color, emissive, factors, modes, uv_rows }),
         twin!(PartFacts = "PartFacts" { first_triangle, inverse_radius, radius, _pad }),

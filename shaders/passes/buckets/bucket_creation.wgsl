@@ -24,8 +24,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let pixel = id.y * frame.size.x + id.x;
-    // Positions in a bucket have 16 bits; what lies deeper has unknown neighbours.
-    let count = min(layer_count(pixel), 0xFFFDu);
+    let count = layer_count(pixel);
     if count == 0u {
         return;
     }

@@ -1,30 +1,37 @@
 //@ use passes/features/neighbour_epsilon
+//@ use store/links
+//@ use store/candidates
 // First half of the neighbour search as the baseline of Murray 2016, section 6: depth, normal and part of every layer of the
 // neighbouring pixel are read, and a layer of another part is infinitely far. Same answer as by buckets.
 
-fn best_candidate(other: u32, direction: u32, part: u32, seeker: Seeker) -> u32 {
-    let base = layer_base(other);
-    let count = min(layer_count(other), LARGEST_LINK);
-    var best = MISSING;
-    var best_epsilon = 3.4e38;
-    for (var layer = 0u; layer < count; layer++) {
-        let slot = base + layer;
-        let epsilon = neighbour_epsilon(seeker, direction, slot).x;
-        if parts[slot] == part && epsilon < best_epsilon {
-            best_epsilon = epsilon;
-            best = layer;
-        }
-    }
-    return best;
+struct Seeker {
+    part: u32,
+    normal: vec3<f32>,
+    inverse_unit: f32,
+    // The depth that the surface is expected to have in each adjacent pixel.
+    expected: vec4<f32>,
 }
 
-fn candidate_in(adjacent: Adjacent, direction: u32, part: u32, seeker: Seeker) -> u32 {
+// The layer with the least epsilon; of equals the nearer.
+fn best_candidate(adjacent: Adjacent, direction: u32, seeker: Seeker) -> u32 {
     if !adjacent.inside[direction] {
         return UNKNOWN;
     }
     let other = adjacent.pixels[direction];
-    let best = best_candidate(other, direction, part, seeker);
-    return select(best, absent(other), best == MISSING);
+    let base = layer_base(other);
+    let count = layer_count(other);
+    var best = absent(other);
+    var least = 3.4e38;
+    for (var layer = 0u; layer < count; layer++) {
+        let slot = base + layer;
+        let shape = layer_shape(slot);
+        let epsilon = neighbour_epsilon(seeker.normal, seeker.expected[direction], seeker.inverse_unit, shape).x;
+        if parts[slot] == seeker.part && epsilon < least {
+            least = epsilon;
+            best = layer;
+        }
+    }
+    return best;
 }
 
 @compute @workgroup_size(16, 16)
@@ -33,22 +40,17 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let pixel = id.y * frame.size.x + id.x;
-    let count = layer_count(pixel);
     let base = layer_base(pixel);
+    let begin = id.z * store_layout.chunk;
+    let end = min(layer_count(pixel), begin + store_layout.chunk);
     let adjacent = adjacent_of(id.x, id.y);
-    for (var layer = 0u; layer < count; layer++) {
+    for (var layer = begin; layer < end; layer++) {
         let slot = base + layer;
-        var found = vec4<u32>(UNKNOWN);
-        if layer < LARGEST_LINK {
-            let part = parts[slot];
-            let seeker = seeker_of(id.x, id.y, slot, part);
-            found = vec4<u32>(
-                candidate_in(adjacent, 0u, part, seeker),
-                candidate_in(adjacent, 1u, part, seeker),
-                candidate_in(adjacent, 2u, part, seeker),
-                candidate_in(adjacent, 3u, part, seeker),
-            );
-        }
-        store_candidates(slot, found);
+        let part = parts[slot];
+        let shape = layer_shape(slot);
+        let expected = expected_depths(id.x, id.y + frame.first_row, shape.depth, shape.normal);
+        let seeker = Seeker(part, shape.normal, inverse_depth_unit(shape.depth, part), expected);
+        candidates_ahead[slot] = best_candidate(adjacent, 0u, seeker) | (best_candidate(adjacent, 2u, seeker) << 16u);
+        candidates_behind[slot] = vec2<u32>(best_candidate(adjacent, 1u, seeker), best_candidate(adjacent, 3u, seeker));
     }
 }

@@ -1,4 +1,4 @@
-//@ use store/normals
+//@ use store/shapes
 //@ use store/links
 // Curvature of every layer from its neighbours (Murray 2016, section 5.1, after Vergne 2009): kappa in [-1, 1], -1 convex.
 //
@@ -23,7 +23,6 @@ struct CurvatureParameters {
 }
 
 @group(1) @binding(13) var<uniform> curvature_parameters: CurvatureParameters;
-@group(1) @binding(9) var<storage, read_write> links: array<vec2<u32>>;
 @group(1) @binding(14) var<storage, read_write> kappas: array<f32>;
 
 struct Fragment {
@@ -32,7 +31,8 @@ struct Fragment {
 }
 
 fn fragment_at(x: u32, y: u32, slot: u32) -> Fragment {
-    return Fragment(layer_normal(slot), position_in_view(x, y, layer_view_depth(slot)));
+    let shape = layer_shape(slot);
+    return Fragment(shape.normal, position_in_view(x, y, shape.depth));
 }
 
 // What a walk along one axis collects.
@@ -74,7 +74,7 @@ fn walk(start: Fragment, x: u32, y: u32, slot: u32, direction: u32, axis: ptr<fu
     var current = slot;
     var last = start;
     for (var distance = 1u; distance <= curvature_parameters.reach; distance++) {
-        let link = link_in(links[current], direction);
+        let link = link_of(current, direction);
         if link == UNKNOWN {
             return;
         }
@@ -192,9 +192,10 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let pixel = pixel_index(id.x, y);
-    let count = layer_count(pixel);
     let base = layer_base(pixel);
-    for (var layer = 0u; layer < count; layer++) {
+    let begin = id.z * store_layout.chunk;
+    let end = min(layer_count(pixel), begin + store_layout.chunk);
+    for (var layer = begin; layer < end; layer++) {
         let slot = base + layer;
         let start = fragment_at(id.x, y, slot);
         var lines = Lines(0u, 0u, vec3<f32>(0.0), false);

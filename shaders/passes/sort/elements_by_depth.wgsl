@@ -2,6 +2,8 @@
 
 alias Element = vec3<u32>;
 @group(1) @binding(2) var<storage, read_write> keys: array<vec2<u32>>;
+// The depth word goes to the shape column too; the normal follows when surfaces are gathered.
+@group(1) @binding(3) var<storage, read_write> shapes: array<vec2<u32>>;
 @group(1) @binding(20) var<storage, read_write> arrival_keys: array<vec2<u32>>;
 @group(1) @binding(24) var<storage, read_write> sources: array<u32>;
 
@@ -21,13 +23,13 @@ fn load_element(base: u32, i: u32) -> Element {
 
 fn store_element(base: u32, i: u32, e: Element) {
     keys[base + i] = vec2<u32>(e.y, e.x);
+    shapes[base + i].x = e.x;
     sources[base + i] = e.z;
 }
 
 fn begin_long(base: u32, count: u32) {
     for (var i = 0u; i < count; i++) {
-        keys[base + i] = arrival_keys[base + i];
-        sources[base + i] = i;
+        store_element(base, i, load_element(base, i));
     }
 }
 

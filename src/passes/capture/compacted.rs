@@ -1,4 +1,5 @@
-//! Capture `Compacted`: count, prefix sum, append, sort. Ours; exact, no layer limit, and the default.
+//! Capture `Compacted`: count, prefix sum, append, sort. Ours; exact up to the most layers that a list may have (more are
+//! refused, `Capabilities::most_layers`), and the default.
 //!
 //! One geometry pass counts the fragments of each pixel, a prefix sum turns counts into offsets, a second geometry pass
 //! appends key and surface to its pixel's run in whatever order fragments come, and a sort by (depth, triangle number) puts

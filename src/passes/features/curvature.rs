@@ -52,5 +52,5 @@ pub fn spec(plan: &FramePlan, features: &Features) -> ShaderSpec {
 /// # Errors
 /// [`GpuError`] of the device.
 pub fn curvature(context: &mut Context<'_>, features: &Features) -> Result<(), GpuError> {
-    context.per_pixel(Pass::Curvature, &spec(context.plan, features), "main")
+    context.per_chunk(Pass::Curvature, &spec(context.plan, features), "main")
 }

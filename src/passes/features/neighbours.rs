@@ -11,51 +11,67 @@
 //!   pixel (T18), in heights of a pixel there. Along a surface that is right to a small part of a pixel, however thin the wall.
 //!   Neither the unit of the file nor other parts enter (T7).
 //!
-//! A candidate that does not see the layer as its own candidate
-//! is no neighbour (reverse check). *Missing* means the surface ends; *unknown* means nothing can be said: beyond the image,
-//! or in a pixel that lost layers (T10).
+//! A candidate that does not see the layer as its own candidate is no neighbour (reverse check). *Missing* means the surface
+//! ends; *unknown* means nothing can be said: beyond the image, or in a pixel that lost layers (T10).
 //!
-//! `Buckets` reads only the layers of the same part, through the pixel's hash table; `BruteForce` reads all, as the paper's
-//! baseline. Both give the same answer, bit for bit. The search runs one direction at a time in two passes, so that each pair
-//! is evaluated once a direction. Memory a layer: 8 bytes for candidates, 8 for links.
+//! `BruteForce` reads every layer of the adjacent pixels, as the paper's baseline, for the best candidate in each direction
+//! and then checks it. `Buckets` reads only the layers of the same part, through the pixel's hash table, and searches both
+//! pixels of a pair at once, so that the check needs no second pass. Same links, bit for bit. Memory a layer: 12 bytes for
+//! links, by brute force 12 more for candidates.
 
 use crate::gpu::{GpuError, ShaderSpec};
 use crate::passes::Context;
 use crate::passes::store::StoreModules;
-use crate::plan::{FramePlan, Pass};
+use crate::plan::{Features, FramePlan, Pass};
 use crate::settings::{DepthTerm, NeighbourSearch};
 
-/// The shader of [`candidates`].
-pub fn candidates_spec(plan: &FramePlan, search: NeighbourSearch) -> ShaderSpec {
+fn search_spec(plan: &FramePlan, features: &Features, root: &'static str) -> ShaderSpec {
     let modules = StoreModules::of(plan);
-    let spec = ShaderSpec::new(match search {
-        NeighbourSearch::Buckets => "passes/features/candidates_buckets",
-        NeighbourSearch::BruteForce => "passes/features/candidates_brute_force",
-    });
-    let term = match plan.features.map(|f| f.depth_term) {
-        Some(DepthTerm::Printed) => "passes/features/expected_depth_own",
-        Some(DepthTerm::Slope) | None => "passes/features/expected_depth_slope",
+    let term = match features.depth_term {
+        DepthTerm::Printed => "passes/features/expected_depth_own",
+        DepthTerm::Slope => "passes/features/expected_depth_slope",
     };
-    modules.normals(modules.keys(modules.layout(spec.with(term))))
+    modules.normals(modules.keys(modules.layout(ShaderSpec::new(root).with(term))))
 }
 
-/// The shader of [`links`].
-pub fn links_spec(plan: &FramePlan) -> ShaderSpec {
-    StoreModules::of(plan).layout(ShaderSpec::new("passes/features/neighbour_links"))
+/// The shader of [`Pass::NeighbourCandidates`], by brute force.
+pub fn candidates_spec(plan: &FramePlan, features: &Features) -> ShaderSpec {
+    search_spec(plan, features, "passes/features/candidates_brute_force")
 }
 
-/// Best candidate of every layer in each direction.
+/// The shader of [`Pass::NeighbourLinks`]: the whole search by buckets, or the check of candidates.
+pub fn links_spec(plan: &FramePlan, features: &Features) -> ShaderSpec {
+    match features.search {
+        NeighbourSearch::Buckets => search_spec(plan, features, "passes/features/links_by_buckets"),
+        NeighbourSearch::BruteForce => StoreModules::of(plan).layout(ShaderSpec::new("passes/features/reverse_check")),
+    }
+}
+
+/// The entry points of [`links_spec`].
+pub fn links_entries(features: &Features) -> &'static [&'static str] {
+    match features.search {
+        NeighbourSearch::Buckets => &["begin", "main"],
+        NeighbourSearch::BruteForce => &["main"],
+    }
+}
+
+/// The neighbours of every layer.
 ///
 /// # Errors
 /// [`GpuError`] of the device.
-pub fn candidates(context: &mut Context<'_>, search: NeighbourSearch) -> Result<(), GpuError> {
-    context.per_pixel(Pass::NeighbourCandidates, &candidates_spec(context.plan, search), "main")
-}
-
-/// Keeps only mutual candidates.
-///
-/// # Errors
-/// [`GpuError`] of the device.
-pub fn links(context: &mut Context<'_>) -> Result<(), GpuError> {
-    context.per_pixel(Pass::NeighbourLinks, &links_spec(context.plan), "main")
+pub fn search(context: &mut Context<'_>, features: &Features) -> Result<(), GpuError> {
+    if context.plan.runs(Pass::NeighbourCandidates) {
+        context.per_chunk(Pass::NeighbourCandidates, &candidates_spec(context.plan, features), "main")?;
+    }
+    if !context.plan.runs(Pass::NeighbourLinks) {
+        return Ok(());
+    }
+    let spec = links_spec(context.plan, features);
+    match features.search {
+        NeighbourSearch::Buckets => {
+            context.per_pixel(Pass::NeighbourLinks, &spec, "begin")?;
+            context.per_chunk(Pass::NeighbourLinks, &spec, "main")
+        }
+        NeighbourSearch::BruteForce => context.per_pixel(Pass::NeighbourLinks, &spec, "main"),
+    }
 }

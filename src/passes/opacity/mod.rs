@@ -41,7 +41,7 @@ pub fn tables(gpu: &Gpu, transfer: &TransferFunction) -> Result<[wgpu::Buffer; 2
 pub fn spec(plan: &FramePlan) -> ShaderSpec {
     let modules = StoreModules::of(plan);
     let root = if plan.opacity == Opacity::Depth { "passes/opacity/depth_only" } else { "passes/opacity/curvature" };
-    modules.keys(modules.layout(ShaderSpec::new(root)))
+    modules.keys(modules.layout(ShaderSpec::new(root).with("store/shape_column")))
 }
 
 /// Colour and opacity of every layer.

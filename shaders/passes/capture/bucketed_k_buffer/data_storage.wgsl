@@ -13,7 +13,7 @@ fn fragment_main(v: Varyings, @builtin(front_facing) front_facing: bool) -> @loc
     let pixel = pixel_of_position(v.position);
     let slot = find_slot(v, pixel);
     if slot != EMPTY {
-        store_surface(slot, surface);
+        store_surface(slot, depth_word(search_key_of(v)), surface);
         store_part(slot, v.part);
     } else {
         let count = layer_count(pixel);

@@ -8,6 +8,8 @@
 struct StoreLayout {
     k: u32,
     capacity: u32,
+    chunk: u32,
+    _pad: u32,
 }
 @group(1) @binding(19) var<storage, read_write> cursors: array<atomic<u32>>;
 @group(1) @binding(20) var<storage, read_write> arrival_keys: array<vec2<u32>>;
