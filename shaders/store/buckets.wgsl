@@ -7,26 +7,65 @@
 // x: part or EMPTY; y: first | end << 16, positions in by_part.
 @group(1) @binding(11) var<storage, read_write> buckets: array<vec2<u32>>;
 
-// First and end position in by_part of the part's layers; (0, 0) if the pixel has none.
-fn find_bucket(pixel: u32, part: u32) -> vec2<u32> {
-    let slots = bucket_slots(pixel);
-    if slots == 0u {
-        return vec2<u32>(0u);
+// H(part) = part mod slots. Written out, because an integer division is scalar code on CPUs: the quotient is never taken too
+// large, and what the first takes too little of, the second does.
+fn hash_of(part: u32, slots: u32) -> u32 {
+    let inverse = 0.9999995 / f32(slots);
+    var rest = part - u32(f32(part) * inverse) * slots;
+    rest -= u32(f32(rest) * inverse) * slots;
+    return select(rest, rest - slots, rest >= slots);
+}
+
+// A part's entry in a bucket table.
+struct Entry {
+    // Positions in by_part; both 0 if the pixel has no layer of the part.
+    first: u32,
+    end: u32,
+    // Where in the table it is.
+    slot: u32,
+}
+
+// A pixel's bucket table.
+struct Table {
+    // The pixel's first slot.
+    base: u32,
+    slots: u32,
+}
+
+fn bucket_table(pixel: u32) -> Table {
+    return Table(layer_base(pixel), bucket_slots(pixel));
+}
+
+// A bucket: the pixel's first slot, and positions in by_part.
+struct Bucket {
+    base: u32,
+    first: u32,
+    end: u32,
+}
+
+// The part's entry; `likely` is looked at first.
+fn find_entry(table: Table, part: u32, likely: u32) -> Entry {
+    if table.slots == 0u {
+        return Entry(0u, 0u, 0u);
     }
-    let base = layer_base(pixel);
-    var index = part % slots;
-    for (var probes = 0u; probes < slots; probes++) {
-        let bucket = buckets[base + index];
+    let guess = min(likely, table.slots - 1u);
+    let guessed = buckets[table.base + guess];
+    if guessed.x == part {
+        return Entry(guessed.y & 0xFFFFu, guessed.y >> 16u, guess);
+    }
+    var slot = hash_of(part, table.slots);
+    for (var probes = 0u; probes < table.slots; probes++) {
+        let bucket = buckets[table.base + slot];
         if bucket.x == part {
-            return vec2<u32>(bucket.y & 0xFFFFu, bucket.y >> 16u);
+            return Entry(bucket.y & 0xFFFFu, bucket.y >> 16u, slot);
         }
         if bucket.x == EMPTY {
             break;
         }
-        index += 1u;
-        if index == slots {
-            index = 0u;
+        slot += 1u;
+        if slot == table.slots {
+            slot = 0u;
         }
     }
-    return vec2<u32>(0u);
+    return Entry(0u, 0u, 0u);
 }

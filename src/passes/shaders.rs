@@ -81,7 +81,9 @@ fn shaders_of(plan: &FramePlan, pass: Pass) -> Vec<Used> {
         }
         Pass::NeighbourLinks => {
             let links = plan.features.iter();
-            links.map(|f| (neighbours::links_spec(plan, f), neighbours::links_entries(f))).collect()
+            let open = links.clone().filter_map(|f| neighbours::open_spec(plan, f));
+            let open = open.map(|spec| (spec, neighbours::OPEN_ENTRIES.as_slice()));
+            links.map(|f| (neighbours::links_spec(plan, f), neighbours::links_entries(f))).chain(open).collect()
         }
         Pass::Curvature => plan.features.iter().map(|f| (curvature::spec(plan, f), MAIN)).collect(),
         Pass::Shade => one(shade::spec(plan)),

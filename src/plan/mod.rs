@@ -315,8 +315,9 @@ impl FramePlan {
 
 /// Storage buffers that the largest pass binds, without and with a tail.
 pub fn storage_buffers(tail: bool) -> u32 {
-    // Data storage binds the tail's sums and the tables of the transfer functions that weigh them. A test counts.
-    if tail { 11 } else { 8 }
+    // Links by buckets. Data storage binds the tail's sums and the tables of the transfer functions that weigh them. A test
+    // counts.
+    if tail { 11 } else { 10 }
 }
 
 /// Plans a frame.

@@ -291,14 +291,14 @@ fn a_pixel_table_that_exceeds_a_binding_is_refused_with_a_width_that_fits() {
 #[test]
 fn too_few_bindings_are_refused() {
     let few = |n| Capabilities { max_storage_buffers: n, ..adapter() };
-    let e = refusal(&bucketed(8), 9, &few(7), SIZE);
-    assert_eq!(e.to_string(), "a pass binds 8 storage buffers; this adapter allows 7 in one stage");
+    let e = refusal(&bucketed(8), 9, &few(9), SIZE);
+    assert_eq!(e.to_string(), "a pass binds 10 storage buffers; this adapter allows 9 in one stage");
     let mut tail = bucketed(8);
     tail.capture.bucketed_k_buffer.tail = Tail::Average;
-    let e = refusal(&tail, 9, &few(8), SIZE);
-    assert!(e.to_string().contains("binds 11") && e.to_string().contains("tail = none needs 8"), "{e}");
+    let e = refusal(&tail, 9, &few(10), SIZE);
+    assert!(e.to_string().contains("binds 11") && e.to_string().contains("tail = none needs 10"), "{e}");
     tail.set("capture.bucketed_k_buffer.tail", "none").unwrap();
-    assert!(fits(&tail, 9, &few(8), SIZE));
+    assert!(fits(&tail, 9, &few(10), SIZE));
 }
 
 #[test]
@@ -375,7 +375,7 @@ fn any_settings() -> impl Strategy<Value = Settings> {
 }
 
 fn any_adapter() -> impl Strategy<Value = Capabilities> {
-    (16_u32..34, 24_u32..34, any::<bool>(), 8_u32..14).prop_map(
+    (16_u32..34, 24_u32..34, any::<bool>(), 10_u32..14).prop_map(
         |(binding, buffer, atomic_min_64, max_storage_buffers)| {
             let (max_binding, max_buffer) = (1_u64 << binding, 1_u64 << buffer);
             Capabilities {

@@ -15,7 +15,7 @@ use crate::passes::features::{self, curvature, neighbours};
 use crate::passes::geometry::{GpuScene, Instances};
 use crate::passes::{BlendParameters, Context, FrameUniform, StoreLayout, composite, opacity, opaque, shade};
 use crate::plan::{self, Band, Capture, FramePlan, Opacity, Pass};
-use crate::settings::Settings;
+use crate::settings::{NeighbourSearch, Settings};
 use crate::transfer::TransferFunction;
 
 /// Textures of the image's size.
@@ -474,6 +474,10 @@ fn aliases(renderer: &mut Renderer, plan: &FramePlan) {
         renderer.resources.alias("links_ahead", "candidates_ahead");
         renderer.resources.alias("links_behind", "candidates_behind");
     }
+    if plan.features.is_some_and(|f| f.search == NeighbourSearch::Buckets) {
+        // Free until layers are lit.
+        renderer.resources.alias("open_layers", "lit");
+    }
     for (alias, name) in [("atomic_keys", "keys"), ("key_words", "keys"), ("pixel_counts", "pixel_table")] {
         renderer.resources.alias(alias, name);
     }
@@ -523,6 +527,10 @@ fn bind_settings(
     if plan.runs(Pass::Sort) || plan.runs(Pass::ZReordering) {
         resources.ensure(&gpu, "sort_arguments", 12 * u64::from(sort::LARGEST_CLASS + 1))?;
         resources.ensure(&gpu, "classes", 16 * u64::from(sort::LARGEST_CLASS + 1))?;
+    }
+    if plan.features.is_some_and(|f| f.search == NeighbourSearch::Buckets) {
+        resources.ensure(&gpu, "open_arguments", 12)?;
+        resources.ensure(&gpu, "open_count", 4)?;
     }
     for buffer in plan.buffers.iter().filter(|b| b.exact && b.name != "image" && b.name != "sums") {
         resources.ensure(&gpu, buffer.name, buffer.bytes)?;

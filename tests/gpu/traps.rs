@@ -317,12 +317,13 @@ fn t04_neighbours_of_another_rank_are_found() {
     let right: Vec<Link> = [To(0)].into_iter().chain([Missing; 3]).chain([1, 2, 3, 7, 8, 9, 10].map(To)).collect();
     let left: Vec<Link> = [0, 4, 5, 6].map(To).into_iter().chain([Missing; 3]).chain([7, 8, 9, 10].map(To)).collect();
     assert_eq!((to(8 * 4 + 3, 0), to(8 * 4 + 4, 1)), (right, left));
-    for (from, into) in [
-        ("let nothing_before = others.begin == others.bucket.first;", "let nothing_before = true;"),
-        ("let nothing_after = others.begin + others.count == others.bucket.end;", "let nothing_after = true;"),
-        ("search_both_ways(own, i, bucket, start + i, way, none)", "none"),
+    let (pairs, left_open) = ("passes/features/links_by_buckets", "passes/features/links_left_open");
+    for (module, from, into) in [
+        (pairs, "let nothing_before = others.begin == others.bucket.first;", "let nothing_before = true;"),
+        (pairs, "let nothing_after = others.begin + others.count == others.bucket.end;", "let nothing_after = true;"),
+        (left_open, "insertBits(link, found,", "insertBits(link, UNKNOWN,"),
     ] {
-        let change = ("passes/features/links_by_buckets", from, into);
+        let change = (module, from, into);
         let seen = [&a, &b].map(|(scene, shot)| {
             draw_changed(&mut r, change, scene, &camera, "", size).store.links != shot.store.links
         });

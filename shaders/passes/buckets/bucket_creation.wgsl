@@ -5,7 +5,7 @@
 fn insert_bucket(pixel: u32, part: u32, first: u32, end: u32) {
     let slots = bucket_slots(pixel);
     let base = layer_base(pixel);
-    var index = part % slots;
+    var index = hash_of(part, slots);
     for (var probes = 0u; probes < slots; probes++) {
         if buckets[base + index].x == EMPTY {
             buckets[base + index] = vec2<u32>(part, first | (end << 16u));

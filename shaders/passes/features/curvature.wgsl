@@ -67,14 +67,22 @@ fn step_of(direction: u32) -> vec2<i32> {
     }
 }
 
-fn walk(start: Fragment, x: u32, y: u32, slot: u32, direction: u32, axis: ptr<function, Axis>, lines: ptr<function, Lines>) {
+// Walks from a layer, whose link in that direction is `first`.
+fn walk(
+    start: Fragment,
+    x: u32,
+    y: u32,
+    first: u32,
+    direction: u32,
+    axis: ptr<function, Axis>,
+    lines: ptr<function, Lines>,
+) {
     let move_by = step_of(direction);
     let side = select(1.0, -1.0, (direction & 1u) != 0u);
     var at = vec2<i32>(i32(x), i32(y));
-    var current = slot;
+    var link = first;
     var last = start;
-    for (var distance = 1u; distance <= curvature_parameters.reach; distance++) {
-        let link = link_of(current, direction);
+    for (var distance = 1u; ; distance++) {
         if link == UNKNOWN {
             return;
         }
@@ -85,7 +93,7 @@ fn walk(start: Fragment, x: u32, y: u32, slot: u32, direction: u32, axis: ptr<fu
             return;
         }
         at += move_by;
-        current = layer_base(pixel_index(u32(at.x), u32(at.y))) + link;
+        let current = layer_base(pixel_index(u32(at.x), u32(at.y))) + link;
         let next = fragment_at(u32(at.x), u32(at.y), current);
         let cosine = dot(last.normal, next.normal);
         if cosine < curvature_parameters.crease_cosine {
@@ -112,7 +120,11 @@ fn walk(start: Fragment, x: u32, y: u32, slot: u32, direction: u32, axis: ptr<fu
             (*axis).point += dp;
             (*axis).point_s += s * dp;
         }
+        if distance >= curvature_parameters.reach {
+            return;
+        }
         last = next;
+        link = link_of(current, direction);
     }
 }
 
@@ -201,10 +213,12 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         var lines = Lines(0u, 0u, vec3<f32>(0.0), false);
         var u = Axis(1.0, 0.0, 0.0, vec3<f32>(0.0), vec3<f32>(0.0), vec3<f32>(0.0), vec3<f32>(0.0));
         var v = u;
-        walk(start, id.x, y, slot, 0u, &u, &lines);
-        walk(start, id.x, y, slot, 1u, &u, &lines);
-        walk(start, id.x, y, slot, 2u, &v, &lines);
-        walk(start, id.x, y, slot, 3u, &v, &lines);
+        let ahead = links_ahead[slot];
+        let behind = links_behind[slot];
+        walk(start, id.x, y, ahead & 0xFFFFu, 0u, &u, &lines);
+        walk(start, id.x, y, behind.x, 1u, &u, &lines);
+        walk(start, id.x, y, ahead >> 16u, 2u, &v, &lines);
+        walk(start, id.x, y, behind.y, 3u, &v, &lines);
         let size = pixel_size(-start.point.z);
         let scale = curvature_scale(slot);
         var kappa = saturate(-scale * curvature_sum(start, u, v, size));

@@ -1,100 +1,86 @@
 //@ use passes/features/neighbour_epsilon
 //@ use store/buckets
 //@ use store/links
+//@ use store/open_layers
 // Neighbours by buckets (Murray 2016, section 5.1). A pixel pairs its layers with those of the pixel to the right and of the
 // pixel below, part by part: only the bucket of the same part is read. Both pixels are searched at once, so the reverse check
 // (Figure 5) needs no pass of its own and every bucket is read half as often.
 //
-// Four layers of a bucket are held against the four of the same rank in the other pixel, and the layers next to those four
-// bound what all others could reach: buckets are in depth order, and epsilon is at least epsilon_z. Nearly always that
-// decides. What it leaves open is searched in storage.
+// Two layers of a bucket are held against the two of the same rank in the other pixel (closed bodies put layers in pairs), and
+// the layers next to those two bound what all others could reach: buckets are in depth order, and epsilon is at least
+// epsilon_z. Nearly always that decides. What it leaves open is listed and searched by `links_left_open`: a CPU rasterizer
+// executes branches that no lane takes, so what is rare is better elsewhere.
 
-const NONE: u32 = 0xFFFFFFFFu;
-
-struct Bucket {
-    // The pixel's first slot.
-    base: u32,
-    // Positions in by_part.
-    first: u32,
-    end: u32,
-}
-
-// Up to four layers of a bucket, from a position on.
-struct Four {
+// Up to two layers of a bucket, from a position on.
+struct Couple {
     bucket: Bucket,
     begin: u32,
     count: u32,
-    layers: vec4<u32>,
-    depths: vec4<f32>,
-    normals_x: vec4<f32>,
-    normals_y: vec4<f32>,
-    normals_z: vec4<f32>,
-    // Depths of the layers next to the four, where the bucket goes on.
+    layers: vec2<u32>,
+    depths: vec2<f32>,
+    normals_x: vec2<f32>,
+    normals_y: vec2<f32>,
+    normals_z: vec2<f32>,
+    // Depths of the layers next to the two, where the bucket goes on.
     before: f32,
     after: f32,
 }
 
-fn load_layer(four: ptr<function, Four>, i: u32) {
-    if i < (*four).count {
-        let base = (*four).bucket.base;
-        let layer = by_part[base + (*four).begin + i];
+fn load_layer(couple: ptr<function, Couple>, i: u32) {
+    if i < (*couple).count {
+        let base = (*couple).bucket.base;
+        let layer = by_part[base + (*couple).begin + i];
         let shape = layer_shape(base + layer);
-        (*four).layers[i] = layer;
-        (*four).depths[i] = shape.depth;
-        (*four).normals_x[i] = shape.normal.x;
-        (*four).normals_y[i] = shape.normal.y;
-        (*four).normals_z[i] = shape.normal.z;
+        (*couple).layers[i] = layer;
+        (*couple).depths[i] = shape.depth;
+        (*couple).normals_x[i] = shape.normal.x;
+        (*couple).normals_y[i] = shape.normal.y;
+        (*couple).normals_z[i] = shape.normal.z;
     }
 }
 
-fn four_at(bucket: Bucket, begin: u32, end: u32) -> Four {
-    var four: Four;
-    four.bucket = bucket;
-    four.begin = begin;
-    four.count = min(max(end, begin) - begin, 4u);
-    four.depths = vec4<f32>(1.0);
-    load_layer(&four, 0u);
-    load_layer(&four, 1u);
-    load_layer(&four, 2u);
-    load_layer(&four, 3u);
+fn couple_at(bucket: Bucket, begin: u32, end: u32) -> Couple {
+    var couple: Couple;
+    couple.bucket = bucket;
+    couple.begin = begin;
+    couple.count = min(max(end, begin) - begin, 2u);
+    couple.depths = vec2<f32>(1.0);
+    load_layer(&couple, 0u);
+    load_layer(&couple, 1u);
     if begin > bucket.first {
-        four.before = layer_view_depth(bucket.base + by_part[bucket.base + begin - 1u]);
+        couple.before = layer_view_depth(bucket.base + by_part[bucket.base + begin - 1u]);
     }
-    if begin + four.count < bucket.end {
-        four.after = layer_view_depth(bucket.base + by_part[bucket.base + begin + four.count]);
+    if begin + couple.count < bucket.end {
+        couple.after = layer_view_depth(bucket.base + by_part[bucket.base + begin + couple.count]);
     }
-    return four;
+    return couple;
 }
 
-fn normal_of(four: Four, i: u32) -> vec3<f32> {
-    return vec3<f32>(four.normals_x[i], four.normals_y[i], four.normals_z[i]);
+fn normal_of(couple: Couple, i: u32) -> vec3<f32> {
+    return vec3<f32>(couple.normals_x[i], couple.normals_y[i], couple.normals_z[i]);
 }
 
-// Where four layers expect their surface in an adjacent pixel, and one over the length that differences are measured in.
+// Where two layers expect their surface in an adjacent pixel, and one over the length that differences are measured in.
 struct Expected {
-    depths: vec4<f32>,
-    inverse_units: vec4<f32>,
+    depths: vec2<f32>,
+    inverse_units: vec2<f32>,
 }
 
-fn expected_in(four: Four, x: u32, y: u32, direction: u32, part: u32) -> Expected {
+fn expected_in(couple: Couple, x: u32, y: u32, direction: u32, part: u32) -> Expected {
     return Expected(
-        vec4<f32>(
-            expected_depths(x, y, four.depths.x, normal_of(four, 0u))[direction],
-            expected_depths(x, y, four.depths.y, normal_of(four, 1u))[direction],
-            expected_depths(x, y, four.depths.z, normal_of(four, 2u))[direction],
-            expected_depths(x, y, four.depths.w, normal_of(four, 3u))[direction],
+        vec2<f32>(
+            expected_depths(x, y, couple.depths.x, normal_of(couple, 0u))[direction],
+            expected_depths(x, y, couple.depths.y, normal_of(couple, 1u))[direction],
         ),
-        vec4<f32>(
-            inverse_depth_unit(four.depths.x, part),
-            inverse_depth_unit(four.depths.y, part),
-            inverse_depth_unit(four.depths.z, part),
-            inverse_depth_unit(four.depths.w, part),
+        vec2<f32>(
+            inverse_depth_unit(couple.depths.x, part),
+            inverse_depth_unit(couple.depths.y, part),
         ),
     );
 }
 
-// As neighbour_epsilon, to four layers.
-fn four_epsilons(normal: vec3<f32>, expected: f32, inverse_unit: f32, others: Four) -> vec4<f32> {
+// As neighbour_epsilon, to two layers.
+fn couple_epsilons(normal: vec3<f32>, expected: f32, inverse_unit: f32, others: Couple) -> vec2<f32> {
     let dz = (expected - others.depths) * inverse_unit;
     let x = normal.x - others.normals_x;
     let y = normal.y - others.normals_y;
@@ -102,16 +88,16 @@ fn four_epsilons(normal: vec3<f32>, expected: f32, inverse_unit: f32, others: Fo
     return 0.5 * (x * x + y * y + z * z) + dz * dz;
 }
 
-// The best of the other four for each of four.
+// The best of the other two for each of two.
 struct Choice {
-    // 0 to 3, or 4 for none.
-    index: vec4<u32>,
-    epsilon: vec4<f32>,
+    // 0 or 1, or 2 for none.
+    index: vec2<u32>,
+    epsilon: vec2<f32>,
 }
 
 // Of equals the nearer: the first.
-fn choose(choice: ptr<function, Choice>, i: u32, epsilons: vec4<f32>, count: u32) {
-    var best = 4u;
+fn choose(choice: ptr<function, Choice>, i: u32, epsilons: vec2<f32>, count: u32) {
+    var best = 2u;
     var least = 3.4e38;
     if count > 0u && epsilons.x < least {
         best = 0u;
@@ -121,74 +107,43 @@ fn choose(choice: ptr<function, Choice>, i: u32, epsilons: vec4<f32>, count: u32
         best = 1u;
         least = epsilons.y;
     }
-    if count > 2u && epsilons.z < least {
-        best = 2u;
-        least = epsilons.z;
-    }
-    if count > 3u && epsilons.w < least {
-        best = 3u;
-        least = epsilons.w;
-    }
     (*choice).index[i] = best;
     (*choice).epsilon[i] = least;
 }
 
-fn choice_of(four: Four, expected: Expected, others: Four) -> Choice {
+fn choice_of(couple: Couple, expected: Expected, others: Couple) -> Choice {
     var choice: Choice;
     let e = expected.depths;
     let u = expected.inverse_units;
-    choose(&choice, 0u, four_epsilons(normal_of(four, 0u), e.x, u.x, others), others.count);
-    choose(&choice, 1u, four_epsilons(normal_of(four, 1u), e.y, u.y, others), others.count);
-    choose(&choice, 2u, four_epsilons(normal_of(four, 2u), e.z, u.z, others), others.count);
-    choose(&choice, 3u, four_epsilons(normal_of(four, 3u), e.w, u.w, others), others.count);
+    choose(&choice, 0u, couple_epsilons(normal_of(couple, 0u), e.x, u.x, others), others.count);
+    choose(&choice, 1u, couple_epsilons(normal_of(couple, 1u), e.y, u.y, others), others.count);
     return choice;
 }
 
-// Whether no layer of the other bucket outside the four can be as good as the best of them.
-fn is_decided(expected: Expected, choice: Choice, others: Four) -> vec4<bool> {
+// Whether no layer of the other bucket outside the couple can be as good as the best of them.
+fn is_decided(expected: Expected, choice: Choice, others: Couple) -> vec2<bool> {
     let nothing_before = others.begin == others.bucket.first;
     let nothing_after = others.begin + others.count == others.bucket.end;
     let before = (expected.depths - others.before) * expected.inverse_units;
     let after = (expected.depths - others.after) * expected.inverse_units;
-    let behind_all = vec4<f32>(others.before) <= expected.depths;
-    let before_all = vec4<f32>(others.after) >= expected.depths;
-    return (vec4<bool>(nothing_before) | (behind_all & (before * before > choice.epsilon)))
-        & (vec4<bool>(nothing_after) | (before_all & (after * after > choice.epsilon)));
+    let behind_all = vec2<f32>(others.before) <= expected.depths;
+    let before_all = vec2<f32>(others.after) >= expected.depths;
+    return (vec2<bool>(nothing_before) | (behind_all & (before * before > choice.epsilon)))
+        & (vec2<bool>(nothing_after) | (before_all & (after * after > choice.epsilon)));
 }
 
-fn pick(v: vec4<u32>, i: u32) -> u32 {
-    return select(select(v.x, v.y, i == 1u), select(v.z, v.w, i == 3u), i >= 2u);
+// The other pixel of a pair, read once for all parts.
+struct Other {
+    table: Table,
+    // What the lack of a neighbour there means.
+    none: u32,
 }
 
-// The position of the best layer of a bucket, outward from a position; NONE if the bucket is empty.
-fn search_bucket(bucket: Bucket, start: u32, normal: vec3<f32>, expected: f32, inverse_unit: f32) -> u32 {
-    let near = clamp(start, bucket.first, bucket.end);
-    var best = NONE;
-    var least = 3.4e38;
-    // Among equals the nearer layer wins, here the later one.
-    for (var position = near; position > bucket.first; position--) {
-        let shape = layer_shape(bucket.base + by_part[bucket.base + position - 1u]);
-        let epsilon = neighbour_epsilon(normal, expected, inverse_unit, shape);
-        if shape.depth <= expected && epsilon.y > least {
-            break;
-        }
-        if epsilon.x <= least {
-            least = epsilon.x;
-            best = position - 1u;
-        }
+fn other_of(inside: bool, pixel: u32) -> Other {
+    if !inside {
+        return Other(Table(0u, 0u), UNKNOWN);
     }
-    for (var position = near; position < bucket.end; position++) {
-        let shape = layer_shape(bucket.base + by_part[bucket.base + position]);
-        let epsilon = neighbour_epsilon(normal, expected, inverse_unit, shape);
-        if shape.depth >= expected && epsilon.y > least {
-            break;
-        }
-        if epsilon.x < least {
-            least = epsilon.x;
-            best = position;
-        }
-    }
-    return best;
+    return Other(bucket_table(pixel), absent(pixel));
 }
 
 // Which two pixels are paired: the right or lower one is at `step`, `direction` leads there, `direction + 1` back.
@@ -200,64 +155,40 @@ struct Way {
     part: u32,
 }
 
-// Searches for one layer of `own` in all of the other bucket and back. Returns its link and records the one behind.
-fn search_both_ways(own: Four, i: u32, other: Bucket, start: u32, way: Way, none: u32) -> u32 {
-    let base = own.bucket.base;
-    let layer = by_part[base + own.begin + i];
-    let shape = layer_shape(base + layer);
-    let expected = expected_depths(way.x, way.y, shape.depth, shape.normal)[way.direction];
-    let unit = inverse_depth_unit(shape.depth, way.part);
-    let found = search_bucket(other, start, shape.normal, expected, unit);
-    if found == NONE {
-        return none;
-    }
-    let there = by_part[other.base + found];
-    let back = layer_shape(other.base + there);
-    let x = way.x + way.step.x;
-    let y = way.y + way.step.y;
-    let expected_back = expected_depths(x, y, back.depth, back.normal)[way.direction + 1u];
-    let unit_back = inverse_depth_unit(back.depth, way.part);
-    if search_bucket(own.bucket, own.begin + i, back.normal, expected_back, unit_back) != own.begin + i {
-        return none;
-    }
-    links_behind[other.base + there][way.direction >> 1u] = layer;
-    return there;
-}
-
-// Links of up to four layers to the other pixel; records those behind.
-fn pair(own: Four, other: u32, way: Way) -> vec4<u32> {
-    let range = find_bucket(other, way.part);
-    let bucket = Bucket(layer_base(other), range.x, range.y);
-    let none = absent(other);
-    let start = min(range.x + own.begin - own.bucket.first, range.y);
-    let others = four_at(bucket, start, range.y);
+// Links of two layers to the other pixel, OPEN where undecided; records those behind. Pixels side by side mostly have the same
+// parts, so the part is mostly in the same slot of both tables.
+fn pair(own: Couple, slot: u32, other: Other, way: Way) -> vec2<u32> {
+    let entry = find_entry(other.table, way.part, slot);
+    let base = other.table.base;
+    let start = min(entry.first + own.begin - own.bucket.first, entry.end);
+    let others = couple_at(Bucket(base, entry.first, entry.end), start, entry.end);
     let expected = expected_in(own, way.x, way.y, way.direction, way.part);
     let back = expected_in(others, way.x + way.step.x, way.y + way.step.y, way.direction + 1u, way.part);
     let forward = choice_of(own, expected, others);
     let backward = choice_of(others, back, own);
-    let forward_decided = is_decided(expected, forward, others);
+    // Decided are layers whose choice is, and whose choice's choice is.
     let backward_decided = is_decided(back, backward, own);
-    var links = vec4<u32>(none);
-    var open = 0u;
-    for (var i = 0u; i < 4u; i++) {
-        let j = forward.index[i];
-        if i >= own.count || range.x == range.y {
-            continue;
-        }
-        if j == 4u || !(forward_decided[i] && pick(vec4<u32>(backward_decided), j) == 1u) {
-            open |= 1u << i;
-        } else if pick(backward.index, j) == i {
-            let there = pick(others.layers, j);
-            links[i] = there;
-            links_behind[bucket.base + there][way.direction >> 1u] = own.layers[i];
-        }
+    let second = forward.index == vec2<u32>(1u);
+    let decided = is_decided(expected, forward, others) & (forward.index != vec2<u32>(2u))
+        & select(vec2<bool>(backward_decided.x), vec2<bool>(backward_decided.y), second);
+    let mutual = decided & (select(vec2<u32>(backward.index.x), vec2<u32>(backward.index.y), second) == vec2<u32>(0u, 1u));
+    let there = select(vec2<u32>(others.layers.x), vec2<u32>(others.layers.y), second);
+    let some = entry.first < entry.end;
+    if some && mutual.x && own.count > 0u {
+        links_behind[base + there.x][way.direction >> 1u] = own.layers.x;
     }
-    while open != 0u {
-        let i = firstTrailingBit(open);
-        open &= open - 1u;
-        links[i] = search_both_ways(own, i, bucket, start + i, way, none);
+    if some && mutual.y && own.count > 1u {
+        links_behind[base + there.y][way.direction >> 1u] = own.layers.y;
     }
-    return links;
+    let links = select(select(vec2<u32>(OPEN), vec2<u32>(other.none), decided), there, mutual);
+    return select(vec2<u32>(other.none), links, some);
+}
+
+fn store_links(slot: u32, pixel: u32, position: u32, right: u32, below: u32) {
+    links_ahead[slot] = right | (below << 16u);
+    if right == OPEN || below == OPEN {
+        list_open(pixel, position, u32(right == OPEN) | (u32(below == OPEN) << 1u));
+    }
 }
 
 // Nothing is behind a layer until it is found.
@@ -288,26 +219,29 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let pixel = id.y * frame.size.x + id.x;
-    let base = layer_base(pixel);
+    let table = bucket_table(pixel);
+    let base = table.base;
     let begin = id.z * store_layout.chunk;
     let end = min(layer_count(pixel), begin + store_layout.chunk);
-    let adjacent = adjacent_of(id.x, id.y);
+    if begin >= end {
+        return;
+    }
     let y = id.y + frame.first_row;
+    let adjacent = adjacent_of(id.x, id.y);
+    let other_right = other_of(adjacent.inside.x, adjacent.pixels.x);
+    let other_below = other_of(adjacent.inside.z, adjacent.pixels.z);
     var position = begin;
     while position < end {
         let part = parts[base + by_part[base + position]];
-        let range = find_bucket(pixel, part);
-        let own = four_at(Bucket(base, range.x, range.y), position, min(range.y, end));
-        var right = vec4<u32>(UNKNOWN);
-        var below = vec4<u32>(UNKNOWN);
-        if adjacent.inside.x {
-            right = pair(own, adjacent.pixels.x, Way(id.x, y, vec2<u32>(1u, 0u), 0u, part));
+        let entry = find_entry(table, part, position);
+        let own = couple_at(Bucket(base, entry.first, entry.end), position, min(entry.end, end));
+        let right = pair(own, entry.slot, other_right, Way(id.x, y, vec2<u32>(1u, 0u), 0u, part));
+        let below = pair(own, entry.slot, other_below, Way(id.x, y, vec2<u32>(0u, 1u), 2u, part));
+        if own.count > 0u {
+            store_links(base + own.layers.x, pixel, position, right.x, below.x);
         }
-        if adjacent.inside.z {
-            below = pair(own, adjacent.pixels.z, Way(id.x, y, vec2<u32>(0u, 1u), 2u, part));
-        }
-        for (var i = 0u; i < own.count; i++) {
-            links_ahead[base + own.layers[i]] = right[i] | (below[i] << 16u);
+        if own.count > 1u {
+            store_links(base + own.layers.y, pixel, position + 1u, right.y, below.y);
         }
         position += max(own.count, 1u);
     }

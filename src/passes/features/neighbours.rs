@@ -55,6 +55,15 @@ pub fn links_entries(features: &Features) -> &'static [&'static str] {
     }
 }
 
+/// The entry points of [`open_spec`].
+pub const OPEN_ENTRIES: [&str; 2] = ["arrange", "main"];
+
+/// The shader that searches for the links which the search by buckets leaves open.
+pub fn open_spec(plan: &FramePlan, features: &Features) -> Option<ShaderSpec> {
+    (features.search == NeighbourSearch::Buckets)
+        .then(|| search_spec(plan, features, "passes/features/links_left_open"))
+}
+
 /// The neighbours of every layer.
 ///
 /// # Errors
@@ -67,11 +76,16 @@ pub fn search(context: &mut Context<'_>, features: &Features) -> Result<(), GpuE
         return Ok(());
     }
     let spec = links_spec(context.plan, features);
-    match features.search {
-        NeighbourSearch::Buckets => {
-            context.per_pixel(Pass::NeighbourLinks, &spec, "begin")?;
-            context.per_chunk(Pass::NeighbourLinks, &spec, "main")
-        }
-        NeighbourSearch::BruteForce => context.per_pixel(Pass::NeighbourLinks, &spec, "main"),
-    }
+    let Some(open) = open_spec(context.plan, features) else {
+        return context.per_pixel(Pass::NeighbourLinks, &spec, "main");
+    };
+    let count = context.resources.require(Pass::NeighbourLinks.name(), "open_count")?;
+    context.recorder.encoder.clear_buffer(count, 0, None);
+    context.per_pixel(Pass::NeighbourLinks, &spec, "begin")?;
+    context.per_chunk(Pass::NeighbourLinks, &spec, "main")?;
+    let [arrange, main] = OPEN_ENTRIES;
+    context.compute(Pass::NeighbourLinks, &open, arrange, [1, 1, 1])?;
+    let kernel = context.shaders.kernel(&open, main)?;
+    let arguments = context.resources.require(Pass::NeighbourLinks.name(), "open_arguments")?.clone();
+    context.recorder.compute_indirect(Pass::NeighbourLinks, &kernel, &context.frame, context.resources, (&arguments, 0))
 }

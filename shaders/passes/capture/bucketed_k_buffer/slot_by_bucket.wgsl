@@ -4,10 +4,10 @@
 
 fn find_slot(v: Varyings, pixel: u32) -> u32 {
     let base = layer_base(pixel);
-    let range = find_bucket(pixel, v.part);
+    let range = find_entry(bucket_table(pixel), v.part, 0u);
     let key = search_key_of(v);
-    var low = range.x;
-    var high = range.y;
+    var low = range.first;
+    var high = range.end;
     while low < high {
         let middle = (low + high) / 2u;
         if key_is_less(keys[base + by_part[base + middle]], key) {
@@ -16,7 +16,7 @@ fn find_slot(v: Varyings, pixel: u32) -> u32 {
             high = middle;
         }
     }
-    if low < range.y {
+    if low < range.end {
         let slot = base + by_part[base + low];
         if all(keys[slot] == key) {
             return slot;
