@@ -467,19 +467,11 @@ fn choose_features(
     let shorter = f64::from(size[0].min(size[1]));
     let radius = (c.radius * shorter).round().max(1.0) as u32;
     let line = (c.line_width * shorter).max(1.0);
-    let no_buckets = if scene.parts <= 1 {
-        Some("the scene has one part: every layer is in the same bucket")
-    } else if !settings.features.reverse_check {
-        Some("features.reverse_check is off: the search by buckets includes it")
+    let search = if settings.features.neighbours == NeighbourSearch::Buckets && !settings.features.reverse_check {
+        draft.skip("buckets", "features.reverse_check is off: the search by buckets includes it");
+        NeighbourSearch::BruteForce
     } else {
-        None
-    };
-    let search = match (settings.features.neighbours, no_buckets) {
-        (NeighbourSearch::Buckets, Some(why)) => {
-            draft.skip("buckets", why);
-            NeighbourSearch::BruteForce
-        }
-        (search, _) => search,
+        settings.features.neighbours
     };
     let (unit, scale_by_part) = match c.unit {
         CurvatureUnit::View => (view.visible_height, false),

@@ -104,17 +104,21 @@ fn opaque_surfaces_need_no_capture() {
 }
 
 #[test]
-fn one_part_needs_no_buckets() {
-    for settings in [Settings::default(), bucketed(8)] {
-        let plan = plan(&settings, &usual(), &scene(1), &view(), &adapter(), SIZE).unwrap();
-        assert_eq!(plan.features.unwrap().search, NeighbourSearch::BruteForce);
-        assert!(plan.runs(Pass::Curvature) && !plan.runs(Pass::ZReordering) && !plan.runs(Pass::BucketCreation));
+fn brute_force_needs_no_buckets_and_buckets_no_candidates() {
+    for mut settings in [Settings::default(), bucketed(8)] {
+        assert!(!planned(&settings, &usual()).runs(Pass::NeighbourCandidates));
+        settings.features.neighbours = NeighbourSearch::BruteForce;
+        let plan = planned(&settings, &usual());
+        assert!(plan.runs(Pass::NeighbourCandidates) && plan.runs(Pass::NeighbourLinks) && plan.runs(Pass::Curvature));
+        assert!(!plan.runs(Pass::ZReordering) && !plan.runs(Pass::BucketCreation));
         assert!(!names(&plan).contains(&"buckets") && !names(&plan).contains(&"by_part"));
-        assert!(skipped(&plan, "buckets").contains("one part"));
     }
-    let mut brute = Settings::default();
-    brute.features.neighbours = NeighbourSearch::BruteForce;
-    assert!(!planned(&brute, &usual()).runs(Pass::BucketCreation));
+    // The search by buckets includes the reverse check.
+    let mut unchecked = Settings::default();
+    unchecked.features.reverse_check = false;
+    let plan = planned(&unchecked, &usual());
+    assert_eq!(plan.features.unwrap().search, NeighbourSearch::BruteForce);
+    assert!(skipped(&plan, "buckets").contains("reverse_check"));
 }
 
 #[test]

@@ -503,7 +503,8 @@ fn t10_unknown_neighbours_make_no_silhouette() {
     assert!(shot.store.links.iter().flatten().any(|l| *l == Link::Unknown));
     assert_eq!(rims(&shot), 0);
     let printed = ("passes/features/candidates_brute_force", "return UNKNOWN;", "return MISSING;");
-    let border = rims(&draw_changed(&mut r, printed, &scene, &camera, row, size));
+    let brute = format!("{row} search=brute_force");
+    let border = rims(&draw_changed(&mut r, printed, &scene, &camera, &brute, size));
     println!("a border of {border} fragments where beyond the image counts as missing, none where it is unknown");
     assert!(border > 100);
     // Where k ran out. Two steep sheets of one part cross: in the next pixel another one may be the nearest.
