@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::accessor::{Data, missing};
 use super::attributes::{self, Attributes};
 use super::{Fallible, Fault, ImportOptions, Notices, tangents};
-use crate::scene::{Material, Mesh, NoticeKind, Primitive, compute_normals, reweighted_normals};
+use crate::scene::{Material, Mesh, NoticeKind, Primitive, compute_normals, interpolated_normals, reweighted_normals};
 
 /// The meshes, with a default material added if a primitive needs it.
 pub(super) struct Geometry {
@@ -233,6 +233,10 @@ impl Context<'_> {
         }
         if self.options.reweight_normals && reweighted_normals(p) {
             let what = "primitives have normals that are plain averages of their facets; they were re-weighted";
+            notices.count(NoticeKind::Computed, what, 1, place);
+        }
+        if self.options.reweight_normals && interpolated_normals(p) {
+            let what = "primitives have flat normals inside edges of curved facets; they were interpolated";
             notices.count(NoticeKind::Computed, what, 1, place);
         }
         true

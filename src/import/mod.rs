@@ -49,7 +49,8 @@ pub struct ImportOptions {
     /// Missing normals are smoothed over edges that turn by at most this angle, in degrees.
     pub crease_angle: f64,
     /// Whether normals that are plain averages of their facets are re-weighted
-    /// ([`reweighted_normals`](crate::scene::reweighted_normals)).
+    /// ([`reweighted_normals`](crate::scene::reweighted_normals)), and flat ones inside edges of curved facets interpolated
+    /// ([`interpolated_normals`](crate::scene::interpolated_normals)).
     pub reweight_normals: bool,
     /// How much is taken.
     pub limits: Limits,

@@ -22,7 +22,7 @@ use glam::{DMat4, DVec3};
 
 use crate::math::{Bounds, Projection};
 
-pub use normals::{compute_normals, reweighted_normals};
+pub use normals::{compute_normals, interpolated_normals, reweighted_normals};
 pub use statistics::SceneStats;
 
 /// A whole scene. Build it, then call [`Scene::finish`], which numbers the triangles and computes what is derived.

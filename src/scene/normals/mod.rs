@@ -8,6 +8,10 @@
 //!
 //! All sums are in `f64`; angles are in degrees.
 
+mod inserted;
+
+pub use inserted::interpolated_normals;
+
 use std::collections::HashMap;
 
 use glam::{DVec3, Vec3};
