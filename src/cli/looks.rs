@@ -1,5 +1,6 @@
 //! The look of a picture: settings from presets, files and single options, in that order of rank.
 
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -9,6 +10,9 @@ use super::failure::{Exit, Failure};
 use crate::export::image::parse_background;
 use crate::settings::{CaptureKind, OpacityModel, Settings};
 use crate::transfer::{self, TransferError, TransferSource, place_of};
+
+/// Largest settings file that is read, bytes.
+const LARGEST_SETTINGS: u64 = 1 << 20;
 
 /// A preset that is more than a transfer function.
 pub struct Look {
@@ -118,7 +122,12 @@ impl LookArgs {
 fn read_settings(path: &Path) -> Result<Settings, Failure> {
     let at = path.display();
     let input = |message: String| Failure::new(Exit::Input, message);
-    let text = std::fs::read_to_string(path).map_err(|e| input(format!("{at}: {e}")))?;
+    let mut text = String::new();
+    let file = std::fs::File::open(path).map_err(|e| input(format!("{at}: {e}")))?;
+    file.take(LARGEST_SETTINGS + 1).read_to_string(&mut text).map_err(|e| input(format!("{at}: {e}")))?;
+    if text.len() as u64 > LARGEST_SETTINGS {
+        return Err(input(format!("{at}: larger than {} MiB", LARGEST_SETTINGS >> 20)));
+    }
     let table: toml::Table = toml::from_str(&text).map_err(|e| {
         let (line, column, reason) = place_of(&text, &e);
         input(format!("{at}:{line}:{column}: {reason}"))

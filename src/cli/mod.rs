@@ -15,7 +15,7 @@ mod output;
 mod render;
 
 use std::io::IsTerminal;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Parser;
@@ -64,7 +64,7 @@ pub fn main() -> ExitCode {
     match run(cli.command) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            eprintln!("{}", failure.line());
+            output::complain(&failure.line());
             ExitCode::from(failure.exit as u8)
         }
     }
@@ -76,8 +76,12 @@ fn log_to_stderr() {
     });
     let colours = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty());
     // Fails only where a host program logs already.
-    let _ =
-        tracing_subscriber::fmt().with_env_filter(filter).with_ansi(colours).with_writer(std::io::stderr).try_init();
+    let _ = tracing_subscriber::fmt()
+        .with_env_filter(filter)
+        .with_ansi(colours)
+        .with_writer(std::io::stderr)
+        .log_internal_errors(false)
+        .try_init();
 }
 
 fn run(command: Command) -> Result<(), Failure> {
@@ -105,7 +109,8 @@ struct Take {
     settings: Settings,
 }
 
-/// The paper's Figures 1 and 9: plain transparency, curvature shading on opaque surfaces, and both together.
+/// The paper's Figures 1 and 9: plain transparency, curvature shading on opaque surfaces, and the look asked for, by default
+/// both together.
 fn takes(settings: Settings, side_by_side: bool) -> Result<Vec<Take>, Failure> {
     if !side_by_side {
         return Ok(vec![Take { name: "picture", settings }]);
@@ -118,12 +123,10 @@ fn takes(settings: Settings, side_by_side: bool) -> Result<Vec<Take>, Failure> {
     let mut function = opaque.opacity.transfer.resolve(None).map_err(|e| Failure::of(Exit::Input, &e))?;
     function.opacity = OpacityFunction::uniform(1.0);
     opaque.opacity.transfer = TransferSource::Inline(Box::new(function));
-    let mut transparent = settings;
-    transparent.opacity.model = OpacityModel::Curvature;
     Ok(vec![
         Take { name: "plain", settings: plain },
         Take { name: "opaque", settings: opaque },
-        Take { name: "transparent", settings: transparent },
+        Take { name: "as asked", settings },
     ])
 }
 
@@ -140,6 +143,8 @@ struct Picture {
 struct Stats {
     file: String,
     size: [u32; 2],
+    /// How the passes were timed.
+    timing: &'static str,
     pictures: Vec<Picture>,
     #[serde(skip_serializing_if = "Option::is_none")]
     difference: Option<Difference>,
@@ -149,6 +154,10 @@ fn render(args: &RenderArgs) -> Result<(), Failure> {
     let dash = Some(Path::new("-"));
     if args.output.as_deref() == dash && args.stats.as_deref() == dash {
         return Err(Failure::new(Exit::Usage, "--output and --stats cannot both go to standard output"));
+    }
+    let absolute = |path: &Option<PathBuf>| path.as_ref().and_then(|p| std::path::absolute(p).ok());
+    if args.output.is_some() && absolute(&args.output) == absolute(&args.stats) {
+        return Err(Failure::new(Exit::Usage, "--output and --stats name the same file"));
     }
     let ViewArgs { file, size, look, camera } = &args.view;
     for target in args.output.iter().chain(&args.stats) {
@@ -170,6 +179,7 @@ fn render(args: &RenderArgs) -> Result<(), Failure> {
     let camera = camera.camera(&scene, f64::from(size[0]) / f64::from(size[1]))?;
     progress.stage("starting the adapter");
     let mut session = Session::open(&scene)?;
+    let timing = if args.stats.is_some() { session.time_passes() } else { "not measured" };
     let mut images = Vec::new();
     let mut pictures = Vec::new();
     for Take { name, settings } in &takes {
@@ -188,7 +198,7 @@ fn render(args: &RenderArgs) -> Result<(), Failure> {
     if let Some(output) = &args.output {
         output::write(output, &png)?;
     }
-    let mut stats = Stats { file: file.clone(), size: *size, pictures, difference: None };
+    let mut stats = Stats { file: file.clone(), size: *size, timing, pictures, difference: None };
     let verdict = match (&args.reference, reference) {
         (Some(path), Some(reference)) => {
             let (difference, verdict) = judge(path, &png, &reference, args.threshold)?;
@@ -258,7 +268,8 @@ fn presets() -> String {
 }
 
 fn scenes() -> String {
-    builtin::names().iter().map(|b| format!("builtin:{:18}{}\n", b.name, b.description)).collect()
+    let all: String = builtin::names().iter().map(|b| format!("builtin:{:18}{}\n", b.name, b.description)).collect();
+    all + "\nParameters go behind the name, as in builtin:quads?layers=8&parts=3\n"
 }
 
 #[cfg(test)]
@@ -271,7 +282,7 @@ mod tests {
         settings.opacity.transfer = TransferSource::Named("murray-6a-7b".to_owned());
         settings.opacity.gain = 0.5;
         let three = takes(settings.clone(), true).unwrap();
-        assert_eq!(three.iter().map(|t| t.name).collect::<Vec<_>>(), ["plain", "opaque", "transparent"]);
+        assert_eq!(three.iter().map(|t| t.name).collect::<Vec<_>>(), ["plain", "opaque", "as asked"]);
         assert_eq!(three[0].settings.opacity.model, OpacityModel::Constant);
         let opaque = &three[1].settings.opacity;
         let function = opaque.transfer.resolve(None).unwrap();

@@ -74,6 +74,11 @@ fn write_file(target: &Path, data: &[u8]) -> std::io::Result<()> {
     written
 }
 
+/// Writes a line to standard error. Nobody may be listening there; that is no reason to lose a picture.
+pub fn complain(line: &str) {
+    let _ = writeln!(std::io::stderr(), "{line}");
+}
+
 /// Shows what the program is busy with, if standard error is a terminal.
 pub struct Progress(Option<ProgressBar>);
 
@@ -101,8 +106,8 @@ impl Progress {
     pub fn say(&self, line: &str) {
         let line = super::failure::printable(line);
         match &self.0 {
-            Some(bar) => bar.suspend(|| eprintln!("{line}")),
-            None => eprintln!("{line}"),
+            Some(bar) => bar.suspend(|| complain(&line)),
+            None => complain(&line),
         }
     }
 }

@@ -50,6 +50,14 @@ impl Session {
         self.renderer.timing = if serially { Timing::Serial } else { Timing::Timestamps };
     }
 
+    /// Times passes as well as this adapter allows, and says how. A software rasterizer's timestamps are wrong for compute
+    /// passes, so each pass is run alone there.
+    pub fn time_passes(&mut self) -> &'static str {
+        let software = self.renderer.gpu().facts().device_type == "Cpu";
+        self.time_serially(software);
+        if software { "each pass run alone, wall time" } else { "GPU timestamps" }
+    }
+
     /// Plans a picture without rendering it.
     ///
     /// # Errors
@@ -84,6 +92,9 @@ pub fn summary(name: &str, size: [u32; 2], report: &FrameReport) -> String {
     }
     if layers.lost > 0 {
         text += &format!(", {} LOST", grouped(layers.lost));
+    }
+    if layers.rasterized == 0 && report.plan.capture != Capture::None {
+        text += ": nothing is in view";
     }
     text + &format!("; {:.1} ms on {}", report.milliseconds, report.adapter.name)
 }

@@ -153,6 +153,8 @@ fn facts_of(adapter: &wgpu::Adapter, options: &GpuOptions) -> AdapterFacts {
         most_layers: if info.driver == "llvmpipe" { plan::MOST_LAYERS_LLVMPIPE } else { plan::MOST_LAYERS },
     };
     let flags = adapter.get_downlevel_capabilities().flags;
+    // OpenGL has no way to take a flat value from a triangle's first vertex.
+    let flat_first = info.backend != wgpu::Backend::Gl;
     let missing: Vec<&str> = [
         ("compute shaders", wgpu::DownlevelFlags::COMPUTE_SHADERS),
         ("storage writes in fragment shaders", wgpu::DownlevelFlags::FRAGMENT_WRITABLE_STORAGE),
@@ -162,6 +164,7 @@ fn facts_of(adapter: &wgpu::Adapter, options: &GpuOptions) -> AdapterFacts {
     .into_iter()
     .filter(|(_, flag)| !flags.contains(*flag))
     .map(|(name, _)| name)
+    .chain((!flat_first).then_some("flat interpolation from the first vertex"))
     .collect();
     AdapterFacts {
         name: info.name,

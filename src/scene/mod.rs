@@ -19,6 +19,7 @@ mod statistics;
 use std::sync::Arc;
 
 use glam::{DMat4, DVec3};
+use rayon::prelude::*;
 
 use crate::math::{Bounds, Projection};
 
@@ -360,7 +361,6 @@ impl Scene {
             order.push(node);
             stack.extend(self.nodes[node].children.iter().rev());
         }
-        let mesh_bounds: Vec<Bounds> = self.meshes.iter().map(Mesh::bounds).collect();
         let mut first = 0_u64;
         let mut parts = Vec::new();
         for node in order {
@@ -389,10 +389,12 @@ impl Scene {
                 world_from_part,
                 first_triangle: first as u32,
                 triangle_count: count as u32,
-                bounds: mesh_bounds[mesh].transformed(world_from_part),
+                bounds: Bounds::EMPTY,
             });
             first += count;
         }
+        // From the vertices: the box around a turned box is too large.
+        parts.par_iter_mut().for_each(|part| part.bounds = self.meshes[part.mesh].bounds_in(part.world_from_part));
         self.parts = parts;
         Ok(())
     }
@@ -414,6 +416,12 @@ impl Mesh {
         Bounds::of_points(self.primitives.iter().flat_map(|p| &p.positions).map(|&p| glam::Vec3::from(p).as_dvec3()))
     }
 
+    /// The box around the mesh in another space.
+    pub fn bounds_in(&self, space_from_mesh: DMat4) -> Bounds {
+        let positions = self.primitives.iter().flat_map(|p| &p.positions);
+        Bounds::of_points(positions.map(|&p| space_from_mesh.transform_point3(glam::Vec3::from(p).as_dvec3())))
+    }
+
     /// How many triangles it has.
     pub fn triangle_count(&self) -> u64 {
         self.primitives.iter().map(|p| p.triangles.len() as u64).sum()
@@ -424,5 +432,28 @@ impl Node {
     /// A root node that shows `mesh`.
     pub fn root(name: impl Into<String>, mesh: Option<usize>, parent_from_node: DMat4) -> Node {
         Node { name: name.into(), parent: None, children: Vec::new(), parent_from_node, mesh }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_turned_part_is_bounded_by_its_vertices() {
+        let diamond = Primitive {
+            positions: vec![[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]],
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..Primitive::default()
+        };
+        let turned = DMat4::from_rotation_z(std::f64::consts::FRAC_PI_4);
+        let scene = Scene {
+            materials: vec![Material::default()],
+            meshes: vec![Mesh { name: "diamond".into(), primitives: vec![diamond] }],
+            nodes: vec![Node::root("turned", Some(0), turned)],
+            ..Scene::default()
+        };
+        let size = scene.finish().unwrap().bounds().size();
+        assert!((size - DVec3::new(2.0_f64.sqrt(), 2.0_f64.sqrt(), 0.0)).length() < 1e-12, "{size}");
     }
 }

@@ -136,6 +136,7 @@ fn a_wrong_command_line_exits_with_2() {
     place.fails(2, "render boxes.glb -o a.png --camera-position 0,0,0 --camera-focal-point 0,0,0", &["coincide"]);
     place.fails(2, "render boxes.glb -o a.jpg", &["a.jpg", ".png"]);
     place.fails(2, "render boxes.glb -o - --stats -", &["standard output"]);
+    place.fails(2, "render boxes.glb -o a.png --stats a.png", &["the same file"]);
     place.fails(2, "render builtin:no-such-scene -o a.png", &["no-such-scene", "gearbox"]);
     place.fails(2, "bench", &["buckets", "frame"]);
     assert!(!place.path("a.png").exists() && !place.path("a.jpg").exists());
@@ -334,10 +335,15 @@ fn comparing_puts_three_pictures_side_by_side() {
     assert_eq!(three.dimensions(), (3 * 40 + 2, 30));
     let stats: Value = serde_json::from_slice(&std::fs::read(place.path("c.json")).unwrap()).unwrap();
     let names: Vec<&str> = stats["pictures"].as_array().unwrap().iter().filter_map(|p| p["name"].as_str()).collect();
-    assert_eq!(names, ["plain", "opaque", "transparent"]);
+    assert_eq!(names, ["plain", "opaque", "as asked"]);
+    assert!(stats["timing"].as_str().is_some_and(|t| t.contains("time")));
     let part = |i: u32| image::imageops::crop_imm(&three, i * 41, 0, 40, 30).to_image();
     assert!(part(0) != part(1) && part(1) != part(2) && part(0) != part(2));
     assert!((0..30).all(|y| three.get_pixel(40, y).0 == [255; 4]), "the gap is background");
+    // The third is what was asked for.
+    place.done("render boxes.glb -o p.png --compare --preset plain --size 40x30 --background #ffffff");
+    let plain = picture(&place.path("p.png"));
+    assert_eq!(image::imageops::crop_imm(&plain, 82, 0, 40, 30).to_image(), part(0));
 }
 
 #[test]
@@ -503,4 +509,13 @@ fn a_reader_that_goes_away_is_no_failure() {
     drop(child.stdout.take());
     let output = child.wait_with_output().unwrap();
     assert_eq!((output.status.code(), output.stderr.len()), (Some(0), 0));
+    // Nor one of messages: the code is that of the failure.
+    let mut child = Command::new(env!("CARGO_BIN_EXE_pellucid"))
+        .current_dir(place.folder.path())
+        .args(["inspect", "nothing-there.glb"])
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stderr.take());
+    assert_eq!(child.wait().unwrap().code(), Some(3));
 }
