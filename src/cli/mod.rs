@@ -7,6 +7,7 @@
 mod bench;
 mod camera;
 mod failure;
+mod hard_cases;
 mod inspect;
 mod load;
 mod looks;
@@ -99,6 +100,7 @@ fn run(command: Command) -> Result<(), Failure> {
         Command::Presets => output::print(presets().as_bytes()),
         Command::Scenes => output::print(scenes().as_bytes()),
         Command::Assets { folder } => load::write_assets(&folder),
+        Command::HardCases(args) => hard_cases::run(&args),
         Command::Bench { what } => bench::run(&what, &Progress::new()),
     }
 }

@@ -7,6 +7,7 @@ use clap::{Args, Parser, Subcommand};
 use super::ENVIRONMENT;
 use super::bench::BenchCommand;
 use super::camera::CameraArgs;
+use super::hard_cases::HardCasesArgs;
 use super::looks::LookArgs;
 
 /// Shows the inside of 3D models without losing their shape.
@@ -58,6 +59,9 @@ pub enum Command {
         /// The folder to write to
         folder: PathBuf,
     },
+    /// Run every numerically hard case on this adapter against exact results, and print a table
+    #[command(after_help = ENVIRONMENT)]
+    HardCases(HardCasesArgs),
     /// Measure
     #[command(after_help = ENVIRONMENT)]
     Bench {

@@ -20,6 +20,7 @@
 mod accessor;
 mod attributes;
 mod buffers;
+pub mod cases;
 mod container;
 mod document;
 mod error;

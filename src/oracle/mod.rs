@@ -15,7 +15,7 @@
 //! | opacity | [`stylize`] | store, lit colour, κ, tables | colour and alpha |
 //! | composite | [`composite`] | store, colour and alpha | the image |
 //!
-//! [`view`] reads camera and image size as the shaders do; [`analytic`] makes stores of surfaces whose curvature is
+//! [`compare`] holds each stage of a GPU against these. [`view`] reads camera and image size as the shaders do; [`analytic`] makes stores of surfaces whose curvature is
 //! known in closed form.
 //!
 //! # Where either answer passes
@@ -27,6 +27,7 @@
 
 pub mod analytic;
 pub mod buckets;
+pub mod compare;
 pub mod composite;
 pub mod curvature;
 pub mod lighting;

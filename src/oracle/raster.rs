@@ -76,6 +76,8 @@ pub struct Pixel {
     pub fragments: Vec<Fragment>,
     /// Whether one of them is ambiguous or another was just missed.
     pub ambiguous: bool,
+    /// Whether it is uncertain which fragments there are, whatever their order.
+    pub uncertain_fragments: bool,
 }
 
 /// All fragments of an image.
@@ -133,6 +135,7 @@ pub fn rasterize(scene: &Scene, camera: &Camera, size: [u32; 2], jitter: DVec2) 
 
 /// Sorts a pixel's fragments and marks those whose order is uncertain.
 fn finish(pixel: &mut Pixel) {
+    pixel.uncertain_fragments = pixel.ambiguous || pixel.fragments.iter().any(|f| f.ambiguous);
     pixel.fragments.sort_by_key(|f| (f.depth_key, f.triangle));
     for i in 1..pixel.fragments.len() {
         if pixel.fragments[i].depth_key - pixel.fragments[i - 1].depth_key <= DEPTH_TOLERANCE {

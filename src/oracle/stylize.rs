@@ -10,6 +10,7 @@
 use super::store::StoreData;
 use super::view::Extents;
 use crate::settings::{OpacityModel, OpacitySettings};
+use crate::transfer::{self, TransferFunction};
 
 /// How a colour function acts on lit colour; 0.5 changes nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,6 +35,20 @@ pub struct Tables {
 }
 
 impl Tables {
+    /// The tables that a transfer function is baked into.
+    pub fn of(transfer: &TransferFunction) -> Tables {
+        let baked = transfer.bake();
+        Tables {
+            color: baked.color.iter().map(|c| c.map(f64::from)).collect(),
+            mode: match baked.mode {
+                transfer::ColorMode::Tint => ColorMode::Tint,
+                transfer::ColorMode::Multiply => ColorMode::Multiply,
+            },
+            opacity: baked.opacity.iter().map(|&o| f64::from(o)).collect(),
+            opacity_width: transfer::TABLE_SIZE,
+        }
+    }
+
     /// The colour function at κ, clamped to [−1, 1]; neutral if the table is empty.
     pub fn color_at(&self, kappa: f64) -> [f64; 3] {
         let (low, high, t) = between((kappa + 1.0) * 0.5, self.color.len());

@@ -5,6 +5,7 @@
 //! change it (T27). A vertex can carry one number: triangles are turned, without changing their winding, until each begins
 //! with a vertex of its own, and where that fails a vertex is doubled.
 
+pub mod cases;
 mod upload;
 
 use std::sync::Arc;

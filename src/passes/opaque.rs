@@ -7,6 +7,26 @@ use crate::passes::Context;
 use crate::passes::geometry::{GpuScene, draw_opaque, draw_unsorted};
 use crate::passes::store::StoreModules;
 use crate::plan::FramePlan;
+use crate::scene::hard_case::{CaseCamera, Contrast, HardCase, Measure, Method, Source};
+
+/// The hard cases of opaque pictures.
+pub const CASES: &[HardCase] = &[HardCase {
+    name: "faces-in-one-place",
+    trap: "",
+    why: "Two faces of different colours in one place, drawn by the depth test instead of a capture: the lower triangle \
+          number must win, as in every list of layers, whatever the order of the triangles in the file.",
+    scene: Source::Builtin("builtin:hard/equal-keys?colors=1&layers=3"),
+    camera: CaseCamera::FRONT_PARALLEL,
+    size: [32, 32],
+    ours: Method::of("depth test", "opacity.model=opaque"),
+    contrast: Some(Contrast::Planted(Method::of("normals turned away", "opacity.model=opaque").changed(
+        "passes/opaque",
+        "unpack_normal(pack_normal(s.normal))",
+        "-unpack_normal(pack_normal(s.normal))",
+    ))),
+    measure: Measure::PictureError,
+    bound: 0.3,
+}];
 
 /// The shader, over a vertex stage.
 pub fn spec(plan: &FramePlan, vertex: ShaderSpec) -> ShaderSpec {

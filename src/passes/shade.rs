@@ -7,7 +7,28 @@ use crate::math::{LightLevels, LightRig};
 use crate::passes::store::StoreModules;
 use crate::passes::{Context, ShadeParameters};
 use crate::plan::{FramePlan, Pass};
+use crate::scene::hard_case::{CaseCamera, Contrast, HardCase, Measure, Method, Source};
 use crate::settings::LightSettings;
+
+/// The hard cases of light.
+pub const CASES: &[HardCase] = &[HardCase {
+    name: "grazing-light",
+    trap: "",
+    why: "Normals at every angle, half of them within a degree of edge-on: the terms of a specular reflection divide by \
+          cosines that are nearly zero there, and the curve that keeps bright light below 1 meets its ends. Light has to \
+          be finite and the oracle's.",
+    scene: Source::Builtin("builtin:hard/normals"),
+    camera: CaseCamera::FRONT,
+    size: [96, 96],
+    ours: Method::of("ours", "light.exposure=3"),
+    contrast: Some(Contrast::Planted(Method::of("shoulder moved", "light.exposure=3").changed(
+        "common/lighting",
+        "SHOULDER_START: f32 = 0.75",
+        "SHOULDER_START: f32 = 0.6",
+    ))),
+    measure: Measure::LightError,
+    bound: 1.0,
+}];
 
 /// The uniform of the light settings.
 pub fn parameters(settings: &LightSettings) -> ShadeParameters {

@@ -163,8 +163,9 @@ impl Renderer {
             for i in base..base + count {
                 let (depth_key, triangle, part, depth) = if wide {
                     let (triangle, depth_key) = (keys[2 * i], keys[2 * i + 1]);
-                    let z = f64::from(f32::from_bits(0x3F80_0000 - depth_key));
-                    let part = part_table.partition_point(|&first| first <= triangle) as u32 - 1;
+                    let z = f64::from(f32::from_bits(0x3F80_0000_u32.wrapping_sub(depth_key)));
+                    // A fault on the device may leave an empty slot among the layers: it is read, and comparisons see it.
+                    let part = (part_table.partition_point(|&first| first <= triangle) as u32).saturating_sub(1);
                     (depth_key, triangle, part, decoder.of_z(z))
                 } else {
                     let Capture::BucketedKBuffer { depth, .. } = plan.capture else { continue };

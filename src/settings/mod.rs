@@ -305,6 +305,19 @@ impl Settings {
         Ok(settings)
     }
 
+    /// The defaults, with values from `path=value` pairs separated by spaces.
+    ///
+    /// # Errors
+    /// [`SettingsError`] for unknown names and values out of range.
+    pub fn from_pairs(pairs: &str) -> Result<Settings, SettingsError> {
+        let mut settings = Settings::default();
+        for pair in pairs.split_whitespace() {
+            let (path, value) = pair.split_once('=').unwrap_or((pair, ""));
+            settings.set(path, value)?;
+        }
+        Ok(settings)
+    }
+
     /// Writes the whole tree as TOML.
     ///
     /// # Errors

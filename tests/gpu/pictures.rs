@@ -2,11 +2,12 @@
 //! can fail.
 
 use glam::DVec2;
-use pellucid::oracle::{StoreData, View, composite, curvature, neighbours_expected, rasterize, shade, stylize};
+use pellucid::math::color::srgb_from_linear;
+use pellucid::oracle::compare::{self, AMBIGUOUS};
 
 use crate::common::*;
 use crate::meshes;
-use crate::stages::{AMBIGUOUS, check_all, encoded, rig, tables};
+use crate::stages::check_all;
 
 /// Offsets of the samples of a pixel: the R2 sequence.
 fn jitter(sample: u32, samples: u32) -> DVec2 {
@@ -24,21 +25,14 @@ fn the_picture_equals_the_oracle_from_scene_to_colour() {
         let size = [64, 64];
         let s = with_transfer(settings(&format!("light.rim=0.5 image.samples={samples}")), lively());
         let shot = draw(&mut r, &scene, &camera, &s, size);
-        let extents = extents_of(&scene, &camera);
         let mut image = vec![[0.0_f64; 4]; 64 * 64];
         for sample in 0..samples {
-            let jitter = jitter(sample, samples);
-            let store = StoreData::from_layers(&rasterize(&scene, &camera, size, jitter));
-            let view = View::new(&camera, size, jitter);
-            let links = neighbours_expected(&store, &extents, Some(&view), true);
-            let bent = curvature(&store, &links, &view, &extents, &s.features.curvature);
-            let lit = shade::shade(&store, &view, &rig(&s.light));
-            let colors = stylize::stylize(&store, &lit, &bent.kappa, &extents, &s.opacity, &tables(&lively()));
-            for (sum, c) in image.iter_mut().zip(composite::front_to_back(&store, &colors, None)) {
+            let picture = compare::picture(&scene, &camera, &s, &lively(), size, jitter(sample, samples));
+            for (sum, c) in image.iter_mut().zip(picture) {
                 *sum = std::array::from_fn(|i| sum[i] + c[i] / f64::from(samples));
             }
         }
-        let over_white = |c: f64, a: f64| encoded(c + 1.0 - a);
+        let over_white = |c: f64, a: f64| srgb_from_linear(c + 1.0 - a);
         let mut off: Vec<f64> = image
             .iter()
             .zip(&shot.frame.image.pixels)

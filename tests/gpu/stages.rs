@@ -3,49 +3,39 @@
 use std::collections::HashMap;
 
 use glam::DVec2;
-use pellucid::math::color::srgb_from_linear;
-use pellucid::math::{Camera, LightLevels, LightRig};
+use pellucid::math::Camera;
 use pellucid::oracle::buckets::{Bucket, quantize_depth};
-use pellucid::oracle::stylize::{ColorMode, Tables};
-use pellucid::oracle::{
-    Link, Neighbours, PackedKey, StoreData, View, WideKey, bucket_k_buffer, composite, curvature, neighbours_expected,
-    rasterize, shade, stylize,
-};
+use pellucid::oracle::compare::{self, AMBIGUOUS, Comparison, rig};
+use pellucid::oracle::stylize::Tables;
+use pellucid::oracle::{PackedKey, StoreData, WideKey, bucket_k_buffer, composite, rasterize, shade, stylize};
 use pellucid::plan::{Capture, Pass};
 use pellucid::render::{Renderer, StoreReadback};
 use pellucid::scene::Scene;
-use pellucid::settings::{DepthQuantization, DepthTerm, LightSettings, OpacityModel, Settings};
-use pellucid::transfer::{self, TransferFunction};
+use pellucid::settings::{DepthQuantization, OpacityModel, Settings};
+use pellucid::transfer;
 
 use crate::common::*;
 use crate::meshes;
 use crate::raster::check_capture;
 
-/// At most this share of samples may be ambiguous.
-pub const AMBIGUOUS: f64 = 0.02;
+/// What a comparison found must be no fault, and at most 2 % ambiguous.
+pub fn report(what: &str, found: &Comparison) {
+    if let Some(fault) = found.faults.first() {
+        panic!(
+            "{what}: {} of {} wrong, first in pixel {}: {}",
+            found.faults.len(),
+            found.samples,
+            fault.pixel,
+            fault.what
+        );
+    }
+    report_share(what, found.ambiguous, found.samples);
+}
 
-pub fn report(what: &str, ambiguous: usize, of: usize) {
+pub fn report_share(what: &str, ambiguous: usize, of: usize) {
     let share = ambiguous as f64 / of.max(1) as f64;
     println!("{what}: {ambiguous} of {of} ambiguous ({:.2} %)", 100.0 * share);
     assert!(share <= AMBIGUOUS, "{what}: more than 2 % ambiguous");
-}
-
-/// The bridge from the program's transfer functions to the oracle's tables.
-pub fn tables(transfer: &TransferFunction) -> Tables {
-    let baked = transfer.bake();
-    Tables {
-        color: baked.color.iter().map(|c| c.map(f64::from)).collect(),
-        mode: match baked.mode {
-            transfer::ColorMode::Tint => ColorMode::Tint,
-            transfer::ColorMode::Multiply => ColorMode::Multiply,
-        },
-        opacity: baked.opacity.iter().map(|&o| f64::from(o)).collect(),
-        opacity_width: transfer::TABLE_SIZE,
-    }
-}
-
-pub fn rig(s: &LightSettings) -> LightRig {
-    LightRig::studio(LightLevels { exposure: s.exposure, key: s.key, fill: s.fill, rim: s.rim, ambient: s.ambient })
 }
 
 /// Z rows, reordering and bucket tables, exactly. `all` are the fragments of every pixel.
@@ -110,75 +100,14 @@ fn check_packed_buckets(what: &str, all: &StoreData, store: &StoreReadback, k: u
     }
 }
 
-/// Links exactly, except where two candidates are as good.
-fn check_links(what: &str, scene: &Scene, camera: &Camera, store: &StoreReadback, term: DepthTerm, reverse: bool) {
-    let view = View::new(camera, [store.layers.width, store.layers.height], DVec2::ZERO);
-    let slope = (term == DepthTerm::Slope).then_some(&view);
-    let expected = neighbours_expected(&store.layers, &extents_of(scene, camera), slope, reverse);
-    assert_eq!(expected.links.len(), store.links.len(), "{what}");
-    let (mut ambiguous, mut to, mut missing, mut unknown) = (0, 0, 0, 0);
-    for (i, (found, expected_links)) in store.links.iter().zip(&expected.links).enumerate() {
-        for d in 0..4 {
-            match found[d] {
-                Link::To(_) => to += 1,
-                Link::Missing => missing += 1,
-                Link::Unknown => unknown += 1,
-            }
-            ambiguous += usize::from(expected.ambiguous[i][d]);
-            if !expected.ambiguous[i][d] {
-                assert_eq!(found[d], expected_links[d], "{what}: fragment {i}, direction {d}");
-            }
-        }
-    }
-    println!("{what}: {to} links, {missing} missing, {unknown} unknown");
-    report(&format!("{what}, links"), ambiguous, 4 * store.links.len());
-}
-
-/// κ within 1e-3 of the oracle's over the GPU's own links.
-fn check_curvature(what: &str, scene: &Scene, camera: &Camera, store: &StoreReadback, settings: &Settings) {
-    let s = &store.layers;
-    let links = Neighbours { links: store.links.clone(), ambiguous: vec![[false; 4]; store.links.len()] };
-    let view = view_of(camera, [s.width, s.height]);
-    let expected = curvature(s, &links, &view, &extents_of(scene, camera), &settings.features.curvature);
-    let (mut ambiguous, mut worst) = (0, 0.0_f64);
-    for (i, (&found, &kappa)) in store.kappa.iter().zip(&expected.kappa).enumerate() {
-        if expected.ambiguous[i] {
-            ambiguous += 1;
-            continue;
-        }
-        let off = (f64::from(found) - kappa).abs();
-        worst = worst.max(off);
-        assert!(
-            off <= 1e-3,
-            "{what}: kappa of fragment {i} in pixel {:?}: {found} and {kappa}, sum {}, normal {:?}, links {:?}",
-            s.xy(s.pixel_of_fragment()[i]),
-            expected.sum[i],
-            s.normal[i],
-            store.links[i]
-        );
-    }
-    println!("{what}: kappa differs by at most {worst:.1e}");
-    report(&format!("{what}, curvature"), ambiguous, s.len());
-}
-
 fn as_f64(colors: &[[f32; 4]]) -> Vec<[f64; 4]> {
     colors.iter().map(|c| c.map(f64::from)).collect()
 }
 
-pub fn encoded(c: f64) -> f64 {
-    srgb_from_linear(c)
-}
-
 fn check_colors(what: &str, found: &[[f32; 4]], expected: &[[f64; 4]]) {
-    let mut worst = 0.0_f64;
-    for (i, (f, e)) in found.iter().zip(expected).enumerate() {
-        for c in 0..4 {
-            let off = if c < 3 { encoded(f64::from(f[c])) - encoded(e[c]) } else { f64::from(f[c]) - e[c] };
-            worst = worst.max(off.abs());
-            assert!(off.abs() <= 1.0 / 255.0, "{what}: {i}, channel {c}: {f:?} and {e:?}");
-        }
-    }
-    println!("{what}: differs by at most {:.3}/255", 255.0 * worst);
+    let found = compare::colors(found, expected);
+    println!("{what}: differs by at most {:.3}/255", found.worst);
+    report(what, &found);
 }
 
 /// All stages after the capture, and the picture.
@@ -229,13 +158,17 @@ fn check_frame(
     // The tail counts as flat.
     let tail = |settings: &Settings| {
         let lit = shade::shade(all, &view, &rig(&settings.light));
-        stylize::stylize(all, &lit, &vec![0.0; all.len()], &extents, &settings.opacity, &tables(&transfer))
+        stylize::stylize(all, &lit, &vec![0.0; all.len()], &extents, &settings.opacity, &Tables::of(&transfer))
     };
     check_image(&format!("{what}, constant"), layers, &half, &plain, all, &|| tail(&plain_settings));
 
     if plan.features.is_some() {
-        check_links(what, scene, camera, store, settings.features.depth_term, settings.features.reverse_check);
-        check_curvature(what, scene, camera, store, settings);
+        let how = (settings.features.depth_term, settings.features.reverse_check);
+        report(&format!("{what}, links"), &compare::links(scene, camera, &store.layers, &store.links, how));
+        let features = (store.links.as_slice(), store.kappa.as_slice());
+        let bent = compare::kappa(scene, camera, &store.layers, features, &settings.features.curvature);
+        println!("{what}: kappa differs by at most {:.1e}", bent.worst);
+        report(&format!("{what}, curvature"), &bent);
     }
     if plan.runs(Pass::Stylize) {
         let kappa: Vec<f64> = if store.kappa.is_empty() {
@@ -249,7 +182,7 @@ fn check_frame(
         } else {
             plain.store.lit.iter().map(|c| [f64::from(c[0]), f64::from(c[1]), f64::from(c[2])]).collect()
         };
-        let styled = stylize::stylize(&store.layers, &lit, &kappa, &extents, &settings.opacity, &tables(&transfer));
+        let styled = stylize::stylize(&store.layers, &lit, &kappa, &extents, &settings.opacity, &Tables::of(&transfer));
         check_colors(&format!("{what}, stylize"), &store.lit, &styled);
         check_image(what, &store.layers, &as_f64(&store.lit), &shot, all, &|| tail(settings));
     }
@@ -449,7 +382,7 @@ fn packed_depths_are_the_quantized_ones() {
                 }
             }
             assert!(total > 5000);
-            report(&format!("packed depth {name}, orthographic {orthographic}: last bit"), off_by_one, total);
+            report_share(&format!("packed depth {name}, orthographic {orthographic}: last bit"), off_by_one, total);
         }
     }
 }

@@ -10,6 +10,8 @@ use pellucid::oracle::buckets::Bucket;
 use pellucid::oracle::{Link, WideKey, bucket_k_buffer, rasterize};
 use pellucid::plan::Refusal;
 use pellucid::render::{DrawOrder, RenderError, Renderer};
+use pellucid::scene::builtin::hard::bent::loose_saddle;
+use pellucid::scene::builtin::hard::deep::tilted_pair;
 use pellucid::scene::{Primitive, Scene};
 
 use crate::captures::{scaled, with_far_part};
@@ -63,19 +65,6 @@ fn t01_equal_keys_lose_a_fragment_and_wide_keys_have_none() {
     }
     r.draw_order = DrawOrder::default();
     assert_eq!(images.len(), 1);
-}
-
-/// Two squares of one part, tilted so that depth sweeps over many keys, `gap` apart in depth.
-fn tilted_pair(gap: f64, half: f64, place: DVec3) -> Primitive {
-    let square = |z: f64| {
-        meshes::grid(1, 1, |u, v| {
-            let (x, y) = (half * (2.0 * u - 1.0), half * (2.0 * v - 1.0));
-            (DVec3::new(x, y, 0.7 * x + 0.31 * y + z) + place, DVec3::Z)
-        })
-    };
-    let mut pair = square(0.0);
-    meshes::append(&mut pair, &square(-gap));
-    pair
 }
 
 #[test]
@@ -170,9 +159,9 @@ fn t03_a_fragment_without_a_slot_is_counted_as_lost() {
 #[test]
 fn t04_shape_ids_and_k_beyond_the_format_are_refused() {
     let Some(mut r) = renderer() else { return };
-    let triangle = meshes::soup(&mut Random(4), 1, 0.01, 0.03);
+    let triangle = meshes::soup(&mut Random::new(4), 1, 0.01, 0.03);
     let many = |n: u32| {
-        let mut random = Random(9);
+        let mut random = Random::new(9);
         let nodes = (0..n).map(|_| (0, DMat4::from_translation(random.point(1.0)))).collect();
         meshes::scene(meshes::grey(), vec![meshes::mesh("one", triangle.clone())], nodes)
     };
@@ -459,7 +448,7 @@ fn t08_curvature_stays_finite_at_grazing_angles() {
 fn t09_octahedral_normals_are_far_more_exact_than_the_printed_ones() {
     let Some(mut r) = renderer() else { return };
     // Squares that face the viewer, each with one normal anywhere on the viewer's side: interpolation adds no error.
-    let mut random = Random(90);
+    let mut random = Random::new(90);
     let mut all = Primitive::default();
     for i in 0..1600 {
         let (x, y) = (f64::from(i % 40), f64::from(i / 40));
@@ -543,29 +532,13 @@ fn t10_unknown_neighbours_make_no_silhouette() {
 fn t11_inconsistent_winding_does_not_split_a_surface() {
     let Some(mut r) = renderer() else { return };
     let mut tidy = meshes::parts(vec![meshes::saddle(0.8, 1.0, 20)]);
-    // Every triangle with vertices of its own, so that each can be turned.
-    let source = tidy.meshes[0].primitives[0].clone();
-    let separate = |turned: &dyn Fn(usize) -> (bool, bool)| {
-        let mut p = Primitive::default();
-        for (i, t) in source.triangles.iter().enumerate() {
-            let (wound, flipped) = turned(i);
-            let first = p.positions.len() as u32;
-            for &v in t {
-                p.positions.push(source.positions[v as usize]);
-                let n = Vec3::from(source.normals[v as usize]);
-                p.normals.push((if flipped { -n } else { n }).to_array());
-            }
-            p.triangles.push(if wound { [first, first + 2, first + 1] } else { [first, first + 1, first + 2] });
-        }
-        p
-    };
     let random = |i: usize| {
-        let mut r = Random(i as u64);
+        let mut r = Random::new(i as u64);
         (r.unit() < 0.5, r.unit() < 0.5)
     };
-    tidy.meshes[0].primitives[0] = separate(&|_| (false, false));
+    tidy.meshes[0].primitives[0] = loose_saddle(|_| (false, false));
     let mut untidy = tidy.clone();
-    untidy.meshes[0].primitives[0] = separate(&random);
+    untidy.meshes[0].primitives[0] = loose_saddle(random);
     let mut mirrored = tidy.clone();
     // The same surface from a mirrored node over mirrored geometry.
     let geometry = &mut mirrored.meshes[0].primitives[0];

@@ -8,6 +8,7 @@ use pellucid::math::color::{linear_from_srgb, srgb_from_linear};
 use pellucid::math::{Camera, Projection};
 use pellucid::oracle::{Link, composite, rasterize};
 use pellucid::render::Renderer;
+use pellucid::scene::builtin::hard::bent::{banded_cylinder, unequal};
 use pellucid::scene::{AlphaMode, Material, Mesh, Node, Primitive, Scene};
 
 use crate::captures::scaled;
@@ -61,7 +62,7 @@ fn t26_faint_layers_do_not_vanish_and_both_directions_agree() {
         assert!(lost > 0.3);
     }
     // The paper's RGBA8 holds sRGB: dark colours keep their steps, which linear 8 bits would not.
-    let mut random = Random(26);
+    let mut random = Random::new(26);
     let mut scene = meshes::parts(
         (0..24)
             .map(|i| meshes::moved(meshes::square(0.5, 0.0), DVec3::new(f64::from(i % 6), f64::from(i / 6), 0.0)))
@@ -248,7 +249,7 @@ fn t29_a_camera_inside_and_one_pixel() {
     let Some(mut r) = renderer() else { return };
     let scene = meshes::assembly(30);
     let size = [64, 48];
-    let mut random = Random(3);
+    let mut random = Random::new(3);
     for i in 0..if full() { 20 } else { 4 } {
         let position = random.point(1.0);
         let eye = Camera {
@@ -359,34 +360,6 @@ fn t30_gaps_of_a_millimetre_in_a_scene_of_a_kilometre() {
     assert!(results[0].0 == 0.0 && results[1].0 == 0.0, "32 bits keep the order");
     assert!(results[2].0 > 0.5, "16 linear bits of a kilometre are steps of 15 mm");
     assert!(results.iter().all(|(_, l)| l.balanced()));
-}
-
-/// Angles of facets that are up to three times as wide as others.
-fn unequal(facets: u32) -> Vec<f64> {
-    let mut random = Random(u64::from(facets));
-    let widths: Vec<f64> = (0..facets).map(|_| random.between(0.5, 1.5)).collect();
-    let sum: f64 = widths.iter().sum();
-    let mut at = 0.0;
-    let mut angles = vec![0.0];
-    angles.extend(widths.iter().map(|w| {
-        at += w / sum * TAU;
-        at
-    }));
-    angles
-}
-
-/// Normals of the neighbouring faces averaged without regard to their width, as exporters do: T31's bands.
-fn banded_cylinder(angles: &[f64]) -> Primitive {
-    let facets = angles.len() - 1;
-    let middle = |i: usize| 0.5 * (angles[i] + angles[i + 1]);
-    let mut p = meshes::cylinder_at(1.0, 1.5, angles);
-    for (i, normal) in p.normals.iter_mut().enumerate() {
-        let column = i % (facets + 1) % facets;
-        let (a, b) = (middle((column + facets - 1) % facets), middle(column));
-        let n = DVec3::new(a.sin() + b.sin(), 0.0, a.cos() + b.cos()).normalize();
-        *normal = n.as_vec3().to_array();
-    }
-    p
 }
 
 #[test]

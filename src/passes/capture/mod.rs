@@ -2,6 +2,7 @@
 
 pub mod bucketed_k_buffer;
 pub mod buckets;
+pub mod cases;
 pub mod compacted;
 pub mod sort;
 

@@ -1,6 +1,8 @@
 //! Stage 4, composition: the layers of each pixel over each other, premultiplied, in linear light (T26); and the average of
 //! jittered frames.
 
+pub mod cases;
+
 use crate::gpu::{GpuError, ShaderSpec};
 use crate::passes::Context;
 use crate::passes::store::StoreModules;

@@ -1,5 +1,6 @@
 //! Stage 2, features: what is computed from the layers and their neighbours.
 
+pub mod cases;
 pub mod curvature;
 pub mod neighbours;
 

@@ -8,7 +8,30 @@ use crate::gpu::{Gpu, GpuError, ShaderSpec};
 use crate::passes::store::StoreModules;
 use crate::passes::{Context, TransferParameters};
 use crate::plan::{FramePlan, Opacity, Pass};
+use crate::scene::hard_case::{CaseCamera, Contrast, HardCase, Measure, Method, Source};
 use crate::transfer::{ColorMode, TransferFunction};
+
+/// The hard cases of opacity.
+pub const CASES: &[HardCase] = &[HardCase {
+    name: "ends-of-the-tables",
+    trap: "",
+    why: "Curvatures at both ends of their range, and opacities eight times over 1: positions in the tables at and beyond \
+          the last entry, a gain that only the clamp after the material's own opacity may cut. An opacity that is clamped \
+          before that makes glass of a blended material out of what should be solid.",
+    scene: Source::Builtin("builtin:hard/assembly?seed=3"),
+    camera: CaseCamera::CORNER,
+    size: [56, 56],
+    ours: Method::of("gain 8", "opacity.gain=8 features.curvature.scale=1000"),
+    contrast: Some(Contrast::Planted(
+        Method::of("clamped too early", "opacity.gain=8 features.curvature.scale=1000").changed(
+            "passes/opacity/transfer",
+            "return transfer.gain * mix(mix(a, b, t.x), mix(c, d, t.x), t.y);",
+            "return min(1.0, transfer.gain * mix(mix(a, b, t.x), mix(c, d, t.x), t.y));",
+        ),
+    )),
+    measure: Measure::StyleError,
+    bound: 1.0,
+}];
 
 /// The uniform of a transfer function.
 pub fn parameters(transfer: &TransferFunction, gain: f64, constant: f64) -> TransferParameters {

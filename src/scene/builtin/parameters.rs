@@ -1,5 +1,7 @@
 //! `NAME?key=value&key=value`, and the small random generator of the generated scenes.
 
+use glam::DVec3;
+
 use super::BuiltinError;
 
 /// Parameters of a scene, taken one by one; what is left over is an error.
@@ -79,5 +81,25 @@ impl Random {
     /// A whole number below `bound`, which must not be 0.
     pub fn below(&mut self, bound: u64) -> u64 {
         self.bits() % bound
+    }
+
+    /// A number in [low, high).
+    pub fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.unit()
+    }
+
+    /// A point in the cube of half edge `half` around the origin.
+    pub fn point(&mut self, half: f64) -> DVec3 {
+        DVec3::new(self.between(-half, half), self.between(-half, half), self.between(-half, half))
+    }
+
+    /// A unit vector.
+    pub fn direction(&mut self) -> DVec3 {
+        loop {
+            let p = self.point(1.0);
+            if p.length() > 0.1 && p.length() < 1.0 {
+                return p.normalize();
+            }
+        }
     }
 }

@@ -1,0 +1,149 @@
+//! `pellucid hard-cases`: every numerically hard case on the present adapter, against the `f64` oracle.
+
+use clap::Args;
+use serde::Serialize;
+
+use super::failure::{Exit, Failure};
+use super::output::{self, Progress};
+use crate::gpu::{AdapterFacts, Gpu, GpuOptions};
+use crate::render::Renderer;
+use crate::scene::hard_case::{Contrast, HardCase};
+use crate::tradeoff::hard_cases::{self, Effort, Outcome, Verdict};
+
+/// Options of `hard-cases`.
+#[derive(Args, Clone, Debug)]
+pub struct HardCasesArgs {
+    /// Cases to run, or the beginning of their names, as in t01 [default: all]
+    #[arg(value_name = "NAME")]
+    pub names: Vec<String>,
+    /// Print what the cases are and why each is hard, and run nothing
+    #[arg(long)]
+    pub list: bool,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+    /// Print a table of Markdown
+    #[arg(long, conflicts_with_all = ["json", "list"])]
+    pub markdown: bool,
+    /// Random scenes of each case that has such; 256 make a picture
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000_000), default_value_t = Effort::USUAL.random_scenes)]
+    pub scenes: u32,
+    /// As many random scenes as a release is checked with: 100000
+    #[arg(long, conflicts_with = "scenes")]
+    pub full: bool,
+    /// Leave out the printed methods and planted errors
+    #[arg(long)]
+    pub ours_only: bool,
+}
+
+/// What `--json` prints.
+#[derive(Serialize)]
+struct Report<'a> {
+    adapter: &'a AdapterFacts,
+    version: &'static str,
+    cases: &'a [Outcome],
+}
+
+/// What `--list --json` prints.
+#[derive(Serialize)]
+struct Listed {
+    name: &'static str,
+    trap: &'static str,
+    technique: &'static str,
+    why: &'static str,
+    measured: &'static str,
+    unit: &'static str,
+    bound: f64,
+    contrast: Option<&'static str>,
+}
+
+type Chosen = Vec<(&'static str, &'static HardCase)>;
+
+fn chosen(names: &[String]) -> Result<Chosen, Failure> {
+    let unknown = names.iter().find(|n| !hard_cases::all().any(|(_, case)| case.name.starts_with(n.as_str())));
+    if let Some(name) = unknown {
+        let known: Vec<&str> = hard_cases::all().map(|(_, case)| case.name).collect();
+        let message = format!("no hard case is called '{name}'; there are {}", known.join(", "));
+        return Err(Failure::new(Exit::Usage, message));
+    }
+    let asked_for = |case: &HardCase| names.is_empty() || names.iter().any(|n| case.name.starts_with(n.as_str()));
+    Ok(hard_cases::all().filter(|(_, case)| asked_for(case)).collect())
+}
+
+fn list(cases: &Chosen, json: bool) -> Result<(), Failure> {
+    let listed = cases.iter().map(|&(technique, case)| Listed {
+        name: case.name,
+        trap: case.trap,
+        technique,
+        why: case.why,
+        measured: case.measure.what(),
+        unit: case.measure.unit(),
+        bound: case.bound,
+        contrast: case.contrast.as_ref().map(|c| c.method().label),
+    });
+    let listed: Vec<Listed> = listed.collect();
+    if json {
+        return output::print(output::json(&listed)?.as_bytes());
+    }
+    let text: String = cases
+        .iter()
+        .map(|(technique, case)| {
+            let bound = hard_cases::figure_text(case.bound, case.measure.unit());
+            let contrast = case.contrast.as_ref().map_or_else(String::new, |c| {
+                let kind = if matches!(c, Contrast::Printed(_)) { "printed" } else { "planted" };
+                format!("; {kind}: {}", c.method().label)
+            });
+            let measured = case.measure.what();
+            format!("{} ({technique})\n    {}\n    {measured}, at most {bound}{contrast}\n", case.name, case.why)
+        })
+        .collect();
+    output::print(text.as_bytes())
+}
+
+/// Runs the cases and prints a table.
+///
+/// # Errors
+/// [`Exit::Usage`] for a name that no case has, [`Exit::NoAdapter`] without an adapter, [`Exit::General`] if a case fails.
+pub fn run(args: &HardCasesArgs) -> Result<(), Failure> {
+    let cases = chosen(&args.names)?;
+    if args.list {
+        return list(&cases, args.json);
+    }
+    let progress = Progress::new();
+    progress.stage("starting the adapter");
+    let gpu = Gpu::new(&GpuOptions::default()).map_err(|e| Failure::of(Exit::NoAdapter, &e))?;
+    let facts = gpu.facts().clone();
+    let mut renderer = Renderer::new(gpu).map_err(|e| Failure::of(Exit::General, &e))?;
+    let random_scenes = if args.full { Effort::MANY_SCENES } else { args.scenes };
+    let effort = Effort { random_scenes, contrasts: !args.ours_only };
+    let mut outcomes = Vec::with_capacity(cases.len());
+    for (i, (technique, case)) in cases.iter().enumerate() {
+        progress.stage(&format!("{} of {}: {}", i + 1, cases.len(), case.name));
+        outcomes.push(hard_cases::run(&mut renderer, technique, case, effort));
+    }
+    drop(progress);
+    let count = |verdict| outcomes.iter().filter(|o| o.verdict == verdict).count();
+    let (passed, failed, skipped) = (count(Verdict::Passed), count(Verdict::Failed), count(Verdict::Skipped));
+    let text = if args.json {
+        output::json(&Report { adapter: &facts, version: env!("CARGO_PKG_VERSION"), cases: &outcomes })?
+    } else if args.markdown {
+        hard_cases::markdown(&outcomes)
+    } else {
+        let scenes: usize = outcomes.iter().map(|o| o.ambiguous).sum();
+        format!(
+            "{} ({}, {} {})\n\n{}\n{passed} passed, {failed} failed, {skipped} skipped; {scenes} ambiguous samples counted \
+             neither way; * planted error\n",
+            facts.name,
+            facts.backend,
+            facts.driver,
+            facts.driver_info,
+            hard_cases::text(&outcomes)
+        )
+    };
+    output::print(text.as_bytes())?;
+    if failed == 0 {
+        return Ok(());
+    }
+    let names: Vec<&str> = outcomes.iter().filter(|o| o.verdict == Verdict::Failed).map(|o| o.name).collect();
+    Err(Failure::new(Exit::General, format!("{failed} of {} hard cases failed: {}", outcomes.len(), names.join(", "))))
+}
