@@ -13,4 +13,5 @@ pub mod plan;
 pub mod render;
 pub mod scene;
 pub mod settings;
+pub mod tradeoff;
 pub mod transfer;
