@@ -14,6 +14,7 @@ mod looks;
 mod options;
 mod output;
 mod render;
+mod tradeoff;
 
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
@@ -47,7 +48,7 @@ Exit codes:
   2 the command line is wrong
   3 an input file cannot be read
   4 no graphics adapter can be used
-  5 the picture differs from the reference
+  5 the picture differs from the reference, or an error is above its limit
   6 the reference does not exist
   7 over the limits of the adapter";
 
@@ -102,6 +103,7 @@ fn run(command: Command) -> Result<(), Failure> {
         Command::Assets { folder } => load::write_assets(&folder),
         Command::HardCases(args) => hard_cases::run(&args),
         Command::Bench { what } => bench::run(&what, &Progress::new()),
+        Command::Tradeoff(args) => tradeoff::run(&args),
     }
 }
 

@@ -9,6 +9,7 @@ use super::bench::BenchCommand;
 use super::camera::CameraArgs;
 use super::hard_cases::HardCasesArgs;
 use super::looks::LookArgs;
+use super::tradeoff::TradeoffArgs;
 
 /// Shows the inside of 3D models without losing their shape.
 #[derive(Parser, Clone, Debug)]
@@ -69,6 +70,9 @@ pub enum Command {
         #[command(subcommand)]
         what: BenchCommand,
     },
+    /// Measure what is wrong in a picture and what it would cost to have it right: a report of accuracy against time
+    #[command(after_help = ENVIRONMENT)]
+    Tradeoff(Box<TradeoffArgs>),
 }
 
 /// What is looked at and how.
@@ -162,7 +166,7 @@ mod tests {
         Cli::command().debug_assert();
         let mut command = Cli::command();
         command.build();
-        for name in ["render", "plan", "inspect", "adapters", "bench"] {
+        for name in ["render", "plan", "inspect", "adapters", "bench", "tradeoff"] {
             let help = command.find_subcommand_mut(name).unwrap().render_long_help().to_string();
             for variable in ["WGPU_BACKEND", "WGPU_ADAPTER_NAME", "RUST_LOG", "NO_COLOR"] {
                 assert!(help.contains(variable), "{name} --help does not name {variable}");
@@ -195,6 +199,8 @@ mod tests {
             "render a.glb -o b.png --set nonsense",
             "render a.glb -o b.png --k many",
             "paint a.glb",
+            "tradeoff a.glb",
+            "tradeoff a.glb -o d --limit-seconds 0",
         ] {
             let code = parse(line).map(|_| ()).map_err(|e| e.exit_code());
             assert_eq!(code, Err(2), "{line}");
@@ -208,6 +214,8 @@ mod tests {
             "inspect a.glb",
             "bench buckets",
             "bench frame a.glb --k 16",
+            "tradeoff a.glb -o d --axes k,key --limit-seconds 5 --k 8 --camera front",
+            "tradeoff a.glb --check limits.toml",
         ] {
             parse(line).unwrap_or_else(|e| panic!("{line}: {e}"));
         }

@@ -102,6 +102,20 @@ impl Progress {
         }
     }
 
+    /// Says which of how many things is being done, with a bar.
+    pub fn count(&self, done: usize, of: usize, what: &str) {
+        if let Some(bar) = &self.0 {
+            if bar.length() != Some(of as u64) {
+                bar.set_length(of as u64);
+                if let Ok(style) = ProgressStyle::with_template("{spinner} {bar:24} {pos}/{len} {msg} {elapsed}") {
+                    bar.set_style(style);
+                }
+            }
+            bar.set_position(done as u64);
+            bar.set_message(what.to_owned());
+        }
+    }
+
     /// Writes a line to standard error above the spinner.
     pub fn say(&self, line: &str) {
         let line = super::failure::printable(line);

@@ -1,4 +1,5 @@
-//! The renderer as the command line sees it. Nothing else in this room names the GPU, the planner or the renderer.
+//! The renderer as the command line sees it. But for the sweep, nothing else in this room names the GPU, the planner or the
+//! renderer.
 
 use serde::Serialize;
 
@@ -67,7 +68,8 @@ impl Session {
     }
 }
 
-fn failed(error: RenderError) -> Failure {
+/// The failure that an error of the renderer is.
+pub fn failed(error: RenderError) -> Failure {
     let exit = match &error {
         RenderError::Refused(_) | RenderError::RowTooDeep { .. } | RenderError::PixelTooDeep { .. } => Exit::Limits,
         RenderError::Gpu(GpuError::OutOfMemory { .. } | GpuError::Exhausted) => Exit::Limits,

@@ -22,6 +22,22 @@ pub use uniforms::{
 
 use crate::gpu::{Gpu, GpuError, Recorder, Resources, ShaderSpec, Shaders};
 use crate::plan::{Band, Capture, FramePlan, Pass};
+use crate::settings::Technique;
+
+/// The techniques whose accuracy can be traded for time, in the order of the stages. A new technique is listed here and
+/// then part of every accuracy-time report.
+pub const TECHNIQUES: &[Technique] = &[
+    Technique { room: "capture/mod", axes: capture::AXES, crosses: &[] },
+    Technique {
+        room: "capture/bucketed_k_buffer",
+        axes: capture::bucketed_k_buffer::AXES,
+        crosses: capture::bucketed_k_buffer::CROSSES,
+    },
+    Technique { room: "store", axes: store::AXES, crosses: &[] },
+    Technique { room: "features/neighbours", axes: features::neighbours::AXES, crosses: &[] },
+    Technique { room: "features/curvature", axes: features::curvature::AXES, crosses: &[] },
+    Technique { room: "composite/mod", axes: composite::AXES, crosses: &[] },
+];
 
 /// What every pass gets: device, shaders, the plan, the band at work and the resources.
 pub struct Context<'a> {

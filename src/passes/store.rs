@@ -6,7 +6,16 @@
 
 use crate::gpu::ShaderSpec;
 use crate::plan::{Capture, FramePlan};
-use crate::settings::{DepthQuantization, NormalEncoding};
+use crate::settings::{Axis, DepthQuantization, Effect, Knob, NormalEncoding};
+
+/// What the packing of normals loses (T9). An encoding that is more precise joins here, as the exact one.
+pub const AXES: &[Axis] = &[Axis {
+    name: "normals",
+    knob: Knob::Setting("capture.normals"),
+    values: &["octahedral", "xy15"],
+    matters_if: &[],
+    effect: Effect::Accuracy { exact: "octahedral" },
+}];
 
 /// Shader modules of a plan's store.
 #[derive(Clone, Copy, Debug, PartialEq)]

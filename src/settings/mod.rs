@@ -5,10 +5,12 @@
 //! `--set capture.bucketed_k_buffer.k=24`, and a settings file is the same tree as TOML, with anything left out at its
 //! default. Nothing is clamped: a value out of range is refused with the range.
 
+mod axis;
 mod declare;
 
 use serde::{Deserialize, Serialize};
 
+pub use axis::{Axis, Effect, Knob, Technique, text_at};
 pub use declare::{Declaration, Range};
 use declare::{choice, settings};
 

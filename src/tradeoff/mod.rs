@@ -1,3 +1,24 @@
-//! What accuracy costs and where it holds: the hard cases.
+//! Accuracy against time: what is wrong in a picture, by how much, and what it would cost to have it right.
+//!
+//! Techniques declare axes beside their code ([`crate::settings::Axis`], listed in [`crate::passes::TECHNIQUES`]); [`axis`]
+//! makes configurations of them, [`reference`] what they are compared with, [`sweep`] measures each (errors of the picture
+//! and of its layers, time whole and by pass), and [`report`] writes it all down, with [`page`] and [`diagram`] for the eye.
+//! [`limits`] turns the errors into a verdict for continuous integration. [`hard_cases`] runs what is numerically hard, which
+//! techniques declare in the same way, against the oracle.
 
+pub mod axis;
+pub mod diagram;
+mod flip;
 pub mod hard_cases;
+pub mod image_error;
+pub mod layer_error;
+pub mod limits;
+pub mod page;
+mod picture;
+pub mod reference;
+pub mod report;
+pub mod statistics;
+pub mod sweep;
+pub mod table;
+pub mod words;
+pub mod workbench;

@@ -12,5 +12,6 @@ mod meshes;
 mod pictures;
 mod raster;
 mod stages;
+mod tradeoff;
 mod traps;
 mod traps_of_geometry;

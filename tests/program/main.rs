@@ -5,3 +5,4 @@ mod models;
 mod shaders;
 mod structure;
 mod support;
+mod tradeoff;

@@ -22,7 +22,51 @@ use crate::passes::Context;
 use crate::passes::geometry::{GpuScene, Vertices, draw};
 use crate::passes::store::{StoreModules, packed_depth};
 use crate::plan::{Capture, FramePlan, Opacity, Pass};
-use crate::settings::SlotSearch;
+use crate::settings::{Axis, Effect, Knob, SlotSearch};
+
+const CHOSEN: (&str, &str) = ("capture.kind", "bucketed_k_buffer");
+
+/// What k, the key and the tail cost and lose (T1, T2, T5).
+pub const AXES: &[Axis] = &[
+    Axis {
+        name: "k",
+        knob: Knob::Setting("capture.bucketed_k_buffer.k"),
+        values: &["4", "8", "16", "32"],
+        matters_if: &[CHOSEN],
+        effect: Effect::Limit,
+    },
+    Axis {
+        name: "key",
+        knob: Knob::Setting("capture.bucketed_k_buffer.key"),
+        values: &["wide64", "packed32"],
+        matters_if: &[CHOSEN],
+        effect: Effect::Accuracy { exact: "wide64" },
+    },
+    Axis {
+        name: "depth",
+        knob: Knob::Setting("capture.bucketed_k_buffer.depth"),
+        values: &["linear", "z_over_w", "reversed"],
+        matters_if: &[CHOSEN, ("capture.bucketed_k_buffer.key", "packed32")],
+        effect: Effect::Limit,
+    },
+    Axis {
+        name: "tail",
+        knob: Knob::Setting("capture.bucketed_k_buffer.tail"),
+        values: &["none", "average"],
+        matters_if: &[CHOSEN],
+        effect: Effect::Limit,
+    },
+    Axis {
+        name: "slot-search",
+        knob: Knob::Setting("capture.bucketed_k_buffer.slot_search"),
+        values: &["depth", "bucket"],
+        matters_if: &[CHOSEN],
+        effect: Effect::Cost,
+    },
+];
+
+/// Every key with every k.
+pub const CROSSES: &[&[&str]] = &[&["key", "k"]];
 
 const TAIL_NONE: &str = "passes/capture/bucketed_k_buffer/tail_none";
 const TAIL_AVERAGE: &str = "passes/capture/bucketed_k_buffer/tail_average";

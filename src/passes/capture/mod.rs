@@ -8,6 +8,17 @@ pub mod sort;
 
 use serde::Serialize;
 
+use crate::settings::{Axis, Effect, Knob};
+
+/// Which technique captures.
+pub const AXES: &[Axis] = &[Axis {
+    name: "capture",
+    knob: Knob::Setting("capture.kind"),
+    values: &["compacted", "bucketed_k_buffer"],
+    matters_if: &[],
+    effect: Effect::Accuracy { exact: "compacted" },
+}];
+
 /// What a capture counted over the whole image. The books balance: `rasterized = stored + merged + dropped`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct LayerCounts {

@@ -7,6 +7,25 @@ use crate::gpu::{GpuError, ShaderSpec};
 use crate::passes::Context;
 use crate::passes::store::StoreModules;
 use crate::plan::{Capture, FramePlan, Pass};
+use crate::settings::{Axis, Effect, Knob};
+
+/// How densely the scene is sampled.
+pub const AXES: &[Axis] = &[
+    Axis {
+        name: "samples",
+        knob: Knob::Setting("image.samples"),
+        values: &["1", "2", "4"],
+        matters_if: &[],
+        effect: Effect::Sampling,
+    },
+    Axis {
+        name: "resolution",
+        knob: Knob::Resolution,
+        values: &["0.5", "0.75"],
+        matters_if: &[],
+        effect: Effect::Sampling,
+    },
+];
 
 /// The shader of [`blend`].
 pub fn blend_spec(plan: &FramePlan) -> ShaderSpec {

@@ -15,7 +15,27 @@ use crate::gpu::{GpuError, ShaderSpec};
 use crate::passes::store::StoreModules;
 use crate::passes::{Context, CurvatureParameters};
 use crate::plan::{Features, FramePlan, Pass};
-use crate::settings::{CurvatureKind, CurvatureSettings};
+use crate::settings::{Axis, CurvatureKind, CurvatureSettings, Effect, Knob};
+
+const WANTED: (&str, &str) = ("opacity.model", "curvature");
+
+/// Which curvature, and over which radius (T8, T31). Both decide what is shown: neither value is wrong.
+pub const AXES: &[Axis] = &[
+    Axis {
+        name: "curvature",
+        knob: Knob::Setting("features.curvature.kind"),
+        values: &["surface", "view_centred"],
+        matters_if: &[WANTED],
+        effect: Effect::Look,
+    },
+    Axis {
+        name: "radius",
+        knob: Knob::Setting("features.curvature.radius"),
+        values: &["0.0", "0.005", "0.01"],
+        matters_if: &[WANTED],
+        effect: Effect::Look,
+    },
+];
 
 /// The uniform of a plan.
 pub fn parameters(features: &Features, settings: &CurvatureSettings) -> CurvatureParameters {

@@ -23,7 +23,34 @@ use crate::gpu::{GpuError, ShaderSpec};
 use crate::passes::Context;
 use crate::passes::store::StoreModules;
 use crate::plan::{Features, FramePlan, Pass};
-use crate::settings::{DepthTerm, NeighbourSearch};
+use crate::settings::{Axis, DepthTerm, Effect, Knob, NeighbourSearch};
+
+const WANTED: (&str, &str) = ("opacity.model", "curvature");
+
+/// How neighbours are searched, and by which measure (T7, T18).
+pub const AXES: &[Axis] = &[
+    Axis {
+        name: "neighbours",
+        knob: Knob::Setting("features.neighbours"),
+        values: &["buckets", "brute_force"],
+        matters_if: &[WANTED],
+        effect: Effect::Cost,
+    },
+    Axis {
+        name: "depth-term",
+        knob: Knob::Setting("features.depth_term"),
+        values: &["slope", "printed"],
+        matters_if: &[WANTED],
+        effect: Effect::Accuracy { exact: "slope" },
+    },
+    Axis {
+        name: "reverse-check",
+        knob: Knob::Setting("features.reverse_check"),
+        values: &["true", "false"],
+        matters_if: &[WANTED],
+        effect: Effect::Accuracy { exact: "true" },
+    },
+];
 
 fn search_spec(plan: &FramePlan, features: &Features, root: &'static str) -> ShaderSpec {
     let modules = StoreModules::of(plan);

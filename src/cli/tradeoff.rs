@@ -1,0 +1,142 @@
+//! `pellucid tradeoff`: what is wrong in a picture, by how much, and what it would cost to have it right.
+
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use clap::Args;
+
+use super::camera::CameraArgs;
+use super::failure::{Exit, Failure};
+use super::looks::LookArgs;
+use super::options::size;
+use super::output::{self, Progress};
+use crate::export::image::parse_background;
+use crate::gpu::{Gpu, GpuOptions};
+use crate::scene::Scene;
+use crate::tradeoff::limits::Limits;
+use crate::tradeoff::report::{self, Subject};
+use crate::tradeoff::sweep::{self, Options, Sweep};
+use crate::tradeoff::workbench::RendererBench;
+use crate::tradeoff::{axis, reference};
+
+/// Options of `tradeoff`.
+#[derive(Args, Clone, Debug)]
+pub struct TradeoffArgs {
+    /// A model, or builtin:NAME (`pellucid scenes` lists them)
+    pub file: String,
+    /// The folder for sweep.csv, sweep.json and index.html; made if it does not exist
+    #[arg(short, long, value_name = "DIR", required_unless_present = "check")]
+    pub output: Option<PathBuf>,
+    /// Picture size in pixels
+    #[arg(long, value_name = "WxH", value_parser = size, default_value = "256x256")]
+    pub size: [u32; 2],
+    /// Axes to vary, all if none are named: capture, k, key, normals, …
+    #[arg(long, value_name = "NAME,NAME", value_delimiter = ',')]
+    pub axes: Vec<String>,
+    /// Time for everything, seconds; what it does not reach is a row that says so
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=86_400), default_value_t = 120)]
+    pub limit_seconds: u64,
+    /// Exit with 5 if an error is above its limit in this file; times are never judged, and without --output not taken
+    #[arg(long, value_name = "TOML")]
+    pub check: Option<PathBuf>,
+    /// The look.
+    #[command(flatten)]
+    pub look: LookArgs,
+    /// The camera.
+    #[command(flatten)]
+    pub camera: CameraArgs,
+}
+
+/// Runs the sweep, writes the report, judges the errors.
+///
+/// # Errors
+/// [`Exit::Differ`] if an error is above its limit; [`Failure`] of the command line, the files, the adapter.
+pub fn run(args: &TradeoffArgs) -> Result<(), Failure> {
+    let settings = args.look.settings()?;
+    let background = parse_background(&settings.image.background).map_err(|e| Failure::new(Exit::Usage, e))?;
+    let axes = axis::named(&args.axes).map_err(|e| Failure::new(Exit::Usage, format!("--axes: {e}")))?;
+    let limits = args.check.as_deref().map(read_limits).transpose()?;
+    if let Some(folder) = &args.output {
+        std::fs::create_dir_all(folder).map_err(|e| Failure::about(Exit::General, folder.display(), &e))?;
+    }
+    let progress = Progress::new();
+    let scene = super::load::scene(&args.file, &progress)?;
+    let options = Options {
+        size: args.size,
+        background,
+        // What is checked is measured whole, however long it takes.
+        limit: limits.is_none().then(|| Duration::from_secs(args.limit_seconds)),
+        most_frames: match (&args.output, &limits) {
+            (None, _) => 0,
+            (Some(_), None) => Options::default().most_frames,
+            (Some(_), Some(_)) => FRAMES_WITHOUT_LIMIT,
+        },
+        thumbnail: if args.output.is_some() { Options::default().thumbnail } else { 0 },
+        ..Options::default()
+    };
+    let (sweep, subject) = measure(args, &scene, &settings, &axes, &options, &progress)?;
+    if let Some(folder) = &args.output {
+        progress.stage("writing");
+        for file in report::files(&sweep, &subject) {
+            output::write(&folder.join(file.name), file.content.as_bytes())?;
+        }
+    }
+    let failed = sweep.rows.iter().filter(|r| r.outcome.is_err()).count();
+    let place = args.output.as_ref().map_or_else(String::new, |f| format!("; {}", f.join("index.html").display()));
+    progress.say(&format!(
+        "{}: {} configurations in {:.0} s, {failed} without figures{place}",
+        args.file,
+        sweep.rows.len(),
+        sweep.seconds
+    ));
+    match (limits, &args.check) {
+        (Some(limits), Some(path)) => judge(&limits, path, &sweep, &progress),
+        _ => Ok(()),
+    }
+}
+
+/// Frames of which times are taken where no time limit ends them.
+const FRAMES_WITHOUT_LIMIT: usize = 3;
+
+fn measure(
+    args: &TradeoffArgs,
+    scene: &Scene,
+    settings: &crate::settings::Settings,
+    axes: &[crate::settings::Axis],
+    options: &Options,
+    progress: &Progress,
+) -> Result<(Sweep, Subject), Failure> {
+    let general = |e: &(dyn std::error::Error + 'static)| Failure::of(Exit::General, e);
+    let configurations = axis::configurations(settings, axes).map_err(|e| general(&e))?;
+    // The reference is exact along every axis, varied or not.
+    let all = axis::all();
+    let exact = reference::reference(settings, &all).map_err(|e| general(&e))?;
+    let supersampled = reference::supersampled(settings, &all).map_err(|e| general(&e))?;
+    let camera = args.camera.camera(scene, f64::from(args.size[0]) / f64::from(args.size[1]))?;
+    progress.stage("starting the adapter");
+    let gpu = Gpu::new(&GpuOptions::default()).map_err(|e| Failure::of(Exit::NoAdapter, &e))?;
+    let mut bench = RendererBench::new(&gpu, scene, &camera).map_err(super::render::failed)?;
+    let sweep = sweep::run(&mut bench, &configurations, [&exact, &supersampled], options, &mut |step| {
+        progress.count(step.done, step.of, step.name);
+    })
+    .map_err(super::render::failed)?;
+    let subject = Subject {
+        model: args.file.clone(),
+        camera: args.camera.camera.clone().unwrap_or_else(|| "as given".to_owned()),
+        adapter: Some(gpu.facts().clone()),
+        limit_seconds: options.limit.map(|l| l.as_secs()),
+    };
+    Ok((sweep, subject))
+}
+
+fn read_limits(path: &Path) -> Result<Limits, Failure> {
+    let text = std::fs::read_to_string(path).map_err(|e| Failure::about(Exit::Input, path.display(), &e))?;
+    Limits::from_toml(&text).map_err(|e| Failure::about(Exit::Input, path.display(), &e))
+}
+
+fn judge(limits: &Limits, path: &Path, sweep: &Sweep, progress: &Progress) -> Result<(), Failure> {
+    let violations = limits.violations(sweep).map_err(|e| Failure::about(Exit::Input, path.display(), &e))?;
+    let Some((last, others)) = violations.split_last() else { return Ok(()) };
+    others.iter().for_each(|v| progress.say(&format!("{}: {v}", path.display())));
+    Err(Failure::new(Exit::Differ, format!("{}: {last}", path.display())))
+}

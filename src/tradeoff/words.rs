@@ -1,0 +1,230 @@
+//! The sweep in words. Every figure is a cell of the table, so nothing is said that the CSV does not have.
+
+use super::axis::{AS_ASKED, Judge};
+use super::sweep::Sweep;
+use super::table::Table;
+
+/// A piece of a sentence.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Piece {
+    /// Words.
+    Text(String),
+    /// A cell of the table, as it stands there.
+    Figure(String),
+}
+
+/// A paragraph.
+pub type Paragraph = Vec<Piece>;
+
+/// Puts a sentence together: text with `{column}` where a cell belongs. `None` if one of the cells is empty.
+fn sentence(table: &Table, row: usize, pattern: &str) -> Option<Paragraph> {
+    let mut pieces = Vec::new();
+    let mut rest = pattern;
+    while let Some((text, after)) = rest.split_once('{') {
+        let (column, after) = after.split_once('}')?;
+        let cell = table.cell(row, column);
+        if cell.is_empty() {
+            return None;
+        }
+        pieces.push(Piece::Text(text.to_owned()));
+        pieces.push(Piece::Figure(cell.to_owned()));
+        rest = after;
+    }
+    pieces.push(Piece::Text(rest.to_owned()));
+    Some(pieces)
+}
+
+struct Words<'a> {
+    sweep: &'a Sweep,
+    table: &'a Table,
+    paragraphs: Vec<Paragraph>,
+}
+
+impl Words<'_> {
+    /// Adds the sentences whose figures are all there as a paragraph.
+    fn paragraph(&mut self, sentences: &[Option<Paragraph>]) {
+        let mut all = Paragraph::new();
+        for sentence in sentences.iter().flatten() {
+            if !all.is_empty() {
+                all.push(Piece::Text(" ".to_owned()));
+            }
+            all.extend(sentence.iter().cloned());
+        }
+        if !all.is_empty() {
+            self.paragraphs.push(all);
+        }
+    }
+
+    fn say(&self, row: usize, pattern: &str) -> Option<Paragraph> {
+        sentence(self.table, row, pattern)
+    }
+
+    /// The row with this short name.
+    fn row(&self, short: &str) -> Option<usize> {
+        self.sweep.rows.iter().position(|r| r.configuration.short == short && r.outcome.is_ok())
+    }
+
+    fn number(&self, row: usize, column: &str) -> f64 {
+        self.table.number(row, column).unwrap_or(0.0)
+    }
+
+    /// How far a row is from its reference, after what names it.
+    fn wrong(&self, row: usize, subject: &str) -> Option<Paragraph> {
+        if self.number(row, "maximum_steps") == 0.0 {
+            return Some(vec![Piece::Text(format!("{subject} gives the reference's picture exactly."))]);
+        }
+        let pattern = format!(
+            "{subject} is {{mean_steps}} 8-bit steps off on average and {{maximum_steps}} at most; {{above_1_percent}} % of \
+             the pixels are visibly wrong, FLIP is {{flip_mean}}."
+        );
+        self.say(row, &pattern)
+    }
+
+    fn time(&self, row: usize) -> Option<Paragraph> {
+        self.say(row, "It takes {relative_time}× the time of what was asked for ({relative_low} to {relative_high}).")
+    }
+
+    fn baseline(&mut self) {
+        let Some(row) = self.row(AS_ASKED) else { return };
+        let sentences = [
+            self.say(row, "What was asked for takes {time_ms} ms a frame here ({time_low_ms} to {time_high_ms})."),
+            self.wrong(row, "It"),
+            self.say(row, "Its view has {layers} layers."),
+        ];
+        self.paragraph(&sentences);
+    }
+
+    /// The paper's key against the wide one, at the largest k that both were measured with.
+    fn keys(&mut self) {
+        let largest = ["32", "16", "8", "4"]
+            .into_iter()
+            .find_map(|k| Some((k, self.row(&format!("key=packed32, k={k}"))?, self.wide_row(k)?)));
+        let Some((k, packed, wide)) = largest else { return };
+        let lost = |row| self.number(row, "lost") + self.number(row, "merged");
+        let sentences = [
+            self.say(
+                packed,
+                &format!("With k={k}, the paper's packed32 key merges {{merged_percent}} % of this view's layers"),
+            )
+            .map(|mut p| {
+                p.push(Piece::Text(", drops ".to_owned()));
+                p.push(Piece::Figure(self.table.cell(packed, "lost_percent").to_owned()));
+                p.push(Piece::Text(" % behind full pixels and puts ".to_owned()));
+                p.push(Piece::Figure(self.table.cell(packed, "out_of_order_percent").to_owned()));
+                p.push(Piece::Text(" % out of order.".to_owned()));
+                p
+            }),
+            self.say(packed, "It takes {relative_time}× the time of what was asked for;"),
+            if lost(wide) == 0.0 {
+                self.say(wide, "the wide key takes {relative_time}× and loses none.")
+            } else {
+                self.say(wide, "the wide key takes {relative_time}×, merges none and drops {lost_percent} %.")
+            },
+        ];
+        self.paragraph(&sentences);
+    }
+
+    fn wide_row(&self, k: &str) -> Option<usize> {
+        [format!("k={k}"), format!("key=wide64, k={k}")].iter().find_map(|n| self.row(n))
+    }
+
+    /// What each k keeps.
+    fn layers_kept(&mut self) {
+        let mut sentences: Vec<Option<Paragraph>> = Vec::new();
+        for k in ["4", "8", "16", "32"] {
+            let Some(row) = self.wide_row(k) else { continue };
+            let pattern = if self.number(row, "lost") == 0.0 {
+                format!("k={k} keeps every layer, in {{relative_time}}× the time.")
+            } else {
+                format!(
+                    "k={k} drops {{lost_percent}} % of the layers, which makes {{above_1_percent}} % of the pixels visibly \
+                     wrong, in {{relative_time}}× the time."
+                )
+            };
+            sentences.push(self.say(row, &pattern));
+        }
+        self.paragraph(&sentences);
+    }
+
+    /// A paragraph for each other axis.
+    fn axes(&mut self) {
+        let mut seen: Vec<&str> = vec!["", "k", "key", "key × k"];
+        for first in &self.sweep.rows {
+            let axis = first.configuration.axis.as_str();
+            if seen.contains(&axis) || first.configuration.judge == Judge::Supersampled {
+                continue;
+            }
+            seen.push(axis);
+            let rows =
+                self.sweep.rows.iter().enumerate().filter(|(_, r)| r.configuration.axis == axis && r.outcome.is_ok());
+            let rows: Vec<usize> = rows.map(|(i, _)| i).collect();
+            let mut sentences = Vec::new();
+            for row in rows {
+                let name = &self.sweep.rows[row].configuration.short;
+                sentences.extend([self.wrong(row, name), self.time(row)]);
+                if self.number(row, "neighbours_different_percent") > 0.0 {
+                    sentences.push(self.say(row, "{neighbours_different_percent} % of the links lead elsewhere."));
+                }
+            }
+            self.paragraph(&sentences);
+        }
+    }
+
+    fn sampling(&mut self) {
+        let rows: Vec<usize> = (0..self.sweep.rows.len())
+            .filter(|&i| {
+                let row = &self.sweep.rows[i];
+                row.configuration.judge == Judge::Supersampled && row.outcome.is_ok()
+            })
+            .collect();
+        let mut sentences = vec![(!rows.is_empty()).then(|| {
+            vec![Piece::Text("Against the supersampled reference, where aliasing counts as an error:".to_owned())]
+        })];
+        for row in rows {
+            let name = &self.sweep.rows[row].configuration.short;
+            let pattern = format!(
+                "{name} is {{mean_steps}} steps off on average, FLIP {{flip_mean}}, in {{relative_time}}× the time."
+            );
+            sentences.push(self.say(row, &pattern));
+        }
+        self.paragraph(&sentences);
+    }
+
+    /// The fastest configuration whose error nobody sees.
+    fn advice(&mut self) {
+        let invisible = |i: &usize| {
+            let row = &self.sweep.rows[*i];
+            row.configuration.judge == Judge::Exact
+                && row.outcome.is_ok()
+                && self.table.number(*i, "above_1_percent") == Some(0.0)
+        };
+        let timed =
+            (0..self.sweep.rows.len()).filter(invisible).filter_map(|i| Some((self.table.number(i, "time_ms")?, i)));
+        let Some((_, row)) = timed.min_by(|a, b| a.0.total_cmp(&b.0)) else { return };
+        let name = &self.sweep.rows[row].configuration.name;
+        let pattern = format!("Of the pictures without a visibly wrong pixel the fastest is '{name}', {{time_ms}} ms.");
+        self.paragraph(&[self.say(row, &pattern)]);
+    }
+
+    fn failures(&mut self) {
+        for row in &self.sweep.rows {
+            if let Err(reason) = &row.outcome {
+                let text = format!("'{}' has no figures: {reason}.", row.configuration.name);
+                self.paragraphs.push(vec![Piece::Text(text)]);
+            }
+        }
+    }
+}
+
+/// The sweep in words.
+pub fn paragraphs(sweep: &Sweep, table: &Table) -> Vec<Paragraph> {
+    let mut words = Words { sweep, table, paragraphs: Vec::new() };
+    words.baseline();
+    words.keys();
+    words.layers_kept();
+    words.axes();
+    words.sampling();
+    words.advice();
+    words.failures();
+    words.paragraphs
+}
