@@ -153,6 +153,15 @@ struct Run<'a> {
     drawn: (u32, Duration),
 }
 
+/// The time of a configuration.
+#[derive(Clone, Copy)]
+struct Share {
+    /// When its fair share ends: no further frames are timed.
+    fair: Instant,
+    /// When it must end for the others' errors to be measured.
+    last: Instant,
+}
+
 /// Single frames that a configuration needs for its errors and, besides, for times at least: warm-up, a pair with the
 /// baseline, the passes.
 fn frames_needed(configuration: &Configuration) -> [u32; 2] {
@@ -253,16 +262,17 @@ impl Run<'_> {
         self.drawn.1 / self.drawn.0.max(1)
     }
 
-    /// Time for the first of the configurations that are left, by the frames that each needs, those of a reference that is
-    /// still to be drawn included; what the errors of the others need is kept for them.
-    fn share(&self, left: &[Configuration], reference: Option<&Settings>) -> Option<Duration> {
+    /// Time for the first of the configurations that are left, by the frames that each needs. What the errors of the others
+    /// need, and a reference that is still to be drawn, is kept for them.
+    fn share(&self, left: &[Configuration], reference: Option<&Settings>) -> Option<Share> {
         let remaining = self.remaining()?;
         let (first, others) = left.split_first()?;
         let sum = |of: usize| others.iter().map(|c| frames_needed(c)[of]).sum::<u32>();
         let sampled = left.iter().any(|c| c.judge == Judge::Supersampled);
         let kept = sum(0) + reference.filter(|_| sampled).map_or(0, |s| s.image.samples);
         let own: u32 = frames_needed(first).iter().sum();
-        Some(remaining.saturating_sub(self.frame_time() * kept) * own / (own + sum(1)))
+        let free = remaining.saturating_sub(self.frame_time() * kept);
+        Some(Share { fair: Instant::now() + free * own / (own + sum(1)), last: Instant::now() + free })
     }
 
     /// Draws, and notes how long single frames take.
@@ -309,9 +319,8 @@ impl Run<'_> {
         configuration: &Configuration,
         baseline: &Settings,
         target: &Target,
-        share: Option<Duration>,
+        share: Option<Share>,
     ) -> Result<Measured, String> {
-        let begin = Instant::now();
         let settings = &configuration.settings;
         let size = self.options.size.map(|s| ((f64::from(s) * configuration.scale).round() as u32).max(1));
         let comparable = configuration.scale == 1.0 && target.layers.is_some();
@@ -331,11 +340,10 @@ impl Run<'_> {
         };
         let thumbnails = (self.options.thumbnail > 0)
             .then(|| Thumbnails::new(&image, &target.image, &map, self.options.background, self.options.thumbnail));
-        let end = share.map(|s| begin + s);
-        let enough =
-            end.is_none_or(|end| Instant::now() + self.frame_time() * frames_needed(configuration)[1] / 2 < end);
-        let times = if self.options.most_frames > 0 && (enough || self.baseline_samples.is_empty()) {
-            Some(self.time(settings, size, baseline, end).map_err(sentence)?)
+        let least = self.frame_time() * frames_needed(configuration)[1];
+        let enough = share.is_none_or(|s| Instant::now() + least < s.last) || self.baseline_samples.is_empty();
+        let times = if self.options.most_frames > 0 && enough {
+            Some(self.time(settings, size, baseline, share.map(|s| s.fair)).map_err(sentence)?)
         } else {
             None
         };

@@ -82,11 +82,13 @@ fn the_reference_equals_the_oracle_on_small_scenes() {
             map.error.mean
         );
         assert!(off as f64 <= 0.02 * map.steps.len() as f64 + 4.0 * ambiguous as f64, "{off}");
-        let mut expected = pellucid::render::StoreReadback::default();
-        expected.links = links.links;
-        expected.kappa = bent.kappa.iter().map(|k| *k as f32).collect();
-        expected.lit = styled.iter().map(|c| c.map(|v| v as f32)).collect();
-        expected.layers = store;
+        let expected = pellucid::render::StoreReadback {
+            links: links.links,
+            kappa: bent.kappa.iter().map(|k| *k as f32).collect(),
+            lit: styled.iter().map(|c| c.map(|v| v as f32)).collect(),
+            layers: store,
+            ..Default::default()
+        };
         let e = layer_error(&shot.store, &expected, Identity::Triangle).unwrap();
         println!("scene {seed}: {e:?}");
         let few = (0.002 * e.layers as f64) as u64;
