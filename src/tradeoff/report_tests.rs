@@ -2,12 +2,12 @@
 
 use std::collections::HashSet;
 
-use super::super::axis::configurations;
-use super::super::image_error::{ErrorMap, ImageError};
-use super::super::layer_error::LayerError;
-use super::super::picture::Thumbnails;
-use super::super::statistics::estimate;
-use super::super::sweep::{Measured, Row, Sweep, Times};
+use crate::tradeoff::axis::configurations;
+use crate::tradeoff::image_error::{ErrorMap, ImageError};
+use crate::tradeoff::layer_error::LayerError;
+use crate::tradeoff::picture::Thumbnails;
+use crate::tradeoff::statistics::estimate;
+use crate::tradeoff::sweep::{Measured, Row, Sweep, Times};
 use super::*;
 use crate::gpu::PassTime;
 use crate::math::LinearImage;
