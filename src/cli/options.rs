@@ -162,7 +162,7 @@ mod tests {
         Cli::command().debug_assert();
         let mut command = Cli::command();
         command.build();
-        for name in ["render", "plan", "inspect", "adapters", "bench"] {
+        for name in ["render", "plan", "inspect", "adapters", "bench", "hard-cases"] {
             let help = command.find_subcommand_mut(name).unwrap().render_long_help().to_string();
             for variable in ["WGPU_BACKEND", "WGPU_ADAPTER_NAME", "RUST_LOG", "NO_COLOR"] {
                 assert!(help.contains(variable), "{name} --help does not name {variable}");
@@ -206,6 +206,7 @@ mod tests {
             "render builtin:gearbox -o - --k 8 --camera isometric --set a.b=c --set d=e --orthographic --bits 16",
             "plan a.glb --json --preset paper",
             "inspect a.glb",
+            "hard-cases t01 --json",
             "bench buckets",
             "bench frame a.glb --k 16",
         ] {

@@ -96,12 +96,22 @@ fn help_names_commands_environment_and_exit_codes() {
     let place = Place::new();
     let help = place.done("--help");
     assert!(help.err.is_empty());
-    for word in ["render", "plan", "inspect", "adapters", "settings", "presets", "scenes", "assets", "bench"] {
+    for word in
+        ["render", "plan", "inspect", "adapters", "settings", "presets", "scenes", "assets", "bench", "hard-cases"]
+    {
         assert!(help.text().contains(word), "{word}");
         let own = place.done(&format!("{word} --help"));
         assert!(own.text().contains("Usage: pellucid") && own.err.is_empty());
     }
-    for line in ["--help", "render --help", "plan --help", "inspect --help", "adapters --help", "bench --help"] {
+    for line in [
+        "--help",
+        "render --help",
+        "plan --help",
+        "inspect --help",
+        "adapters --help",
+        "bench --help",
+        "hard-cases --help",
+    ] {
         let text = place.done(line).text();
         let end = text.split("Environment:").nth(1).unwrap_or_else(|| panic!("{line}"));
         for name in ["WGPU_BACKEND", "WGPU_ADAPTER_NAME", "RUST_LOG", "NO_COLOR", "Exit codes:"] {

@@ -90,7 +90,7 @@ pub const CASES: &[HardCase] = &[
         why: "An image of one pixel: no neighbour anywhere, a single work group nearly idle, a projection whose sample is \
               the whole image. Nothing may be read beyond the edge.",
         scene: Builtin("builtin:hard/stack?layers=20&parts=4"),
-        camera: CaseCamera::Framed { direction: DVec3::new(0.2, 0.1, -1.0), zoom: 3.0, orthographic: false },
+        camera: CaseCamera::Framed { direction: DVec3::new(0.5, 0.1, -1.0), zoom: 3.0, orthographic: false },
         size: [1, 1],
         ours: EXACT,
         contrast: Some(Planted(Method::of("triangles numbered from 1", "").changed(

