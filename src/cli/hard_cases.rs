@@ -3,7 +3,7 @@
 use clap::Args;
 use serde::Serialize;
 
-use super::failure::{Exit, Failure};
+use super::failure::{Exit, Failure, printable};
 use super::output::{self, Progress};
 use crate::gpu::{AdapterFacts, Gpu, GpuOptions};
 use crate::render::Renderer;
@@ -122,28 +122,84 @@ pub fn run(args: &HardCasesArgs) -> Result<(), Failure> {
         outcomes.push(hard_cases::run(&mut renderer, technique, case, effort));
     }
     drop(progress);
-    let count = |verdict| outcomes.iter().filter(|o| o.verdict == verdict).count();
-    let (passed, failed, skipped) = (count(Verdict::Passed), count(Verdict::Failed), count(Verdict::Skipped));
     let text = if args.json {
         output::json(&Report { adapter: &facts, version: env!("CARGO_PKG_VERSION"), cases: &outcomes })?
     } else if args.markdown {
         hard_cases::markdown(&outcomes)
     } else {
-        let scenes: usize = outcomes.iter().map(|o| o.ambiguous).sum();
-        format!(
-            "{} ({}, {} {})\n\n{}\n{passed} passed, {failed} failed, {skipped} skipped; {scenes} ambiguous samples counted \
-             neither way; * planted error\n",
-            facts.name,
-            facts.backend,
-            facts.driver,
-            facts.driver_info,
-            hard_cases::text(&outcomes)
-        )
+        let AdapterFacts { name, backend, driver, driver_info, .. } = &facts;
+        let adapter = printable(&format!("{name} ({backend}, {driver} {driver_info})"));
+        format!("{adapter}\n\n{}\n{}\n", hard_cases::text(&outcomes), summary(&outcomes))
     };
     output::print(text.as_bytes())?;
-    if failed == 0 {
-        return Ok(());
+    judge(&outcomes)
+}
+
+fn count(outcomes: &[Outcome], verdict: Verdict) -> usize {
+    outcomes.iter().filter(|o| o.verdict == verdict).count()
+}
+
+fn summary(outcomes: &[Outcome]) -> String {
+    let [passed, failed, skipped] =
+        [Verdict::Passed, Verdict::Failed, Verdict::Skipped].map(|verdict| count(outcomes, verdict));
+    let ambiguous: usize = outcomes.iter().map(|o| o.ambiguous).sum();
+    let samples: usize = outcomes.iter().map(|o| o.samples).sum();
+    format!(
+        "{passed} passed, {failed} failed, {skipped} skipped; of {} samples {} are ambiguous and count neither way; * an \
+         error planted into ours, where the paper prints none",
+        output::grouped(samples as u64),
+        output::grouped(ambiguous as u64)
+    )
+}
+
+fn judge(outcomes: &[Outcome]) -> Result<(), Failure> {
+    match count(outcomes, Verdict::Failed) {
+        0 => Ok(()),
+        failed => {
+            let names: Vec<&str> = outcomes.iter().filter(|o| o.verdict == Verdict::Failed).map(|o| o.name).collect();
+            let message = format!("{failed} of {} hard cases failed: {}", outcomes.len(), names.join(", "));
+            Err(Failure::new(Exit::General, message))
+        }
     }
-    let names: Vec<&str> = outcomes.iter().filter(|o| o.verdict == Verdict::Failed).map(|o| o.name).collect();
-    Err(Failure::new(Exit::General, format!("{failed} of {} hard cases failed: {}", outcomes.len(), names.join(", "))))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_failed_case_makes_the_exit_code() {
+        let outcome = |verdict| Outcome {
+            name: "t99-test",
+            trap: "",
+            technique: "passes/none",
+            why: "",
+            measured: "layers wrong",
+            unit: " %",
+            bound: 0.0,
+            ours: Some(1.0),
+            samples: 1234,
+            ambiguous: 5,
+            contrast: None,
+            verdict,
+            reason: None,
+        };
+        assert_eq!(judge(&[outcome(Verdict::Passed), outcome(Verdict::Skipped)]), Ok(()));
+        let outcomes = [outcome(Verdict::Passed), outcome(Verdict::Failed)];
+        let failure = judge(&outcomes).unwrap_err();
+        assert_eq!((failure.exit, failure.message.as_str()), (Exit::General, "1 of 2 hard cases failed: t99-test"));
+        assert!(summary(&outcomes).starts_with("1 passed, 1 failed, 0 skipped; of 2 468 samples 10 are ambiguous"));
+    }
+
+    #[test]
+    fn names_are_beginnings_of_names() {
+        let names = |list: &[&str]| -> Vec<&str> {
+            let list: Vec<String> = list.iter().map(|n| (*n).to_owned()).collect();
+            chosen(&list).unwrap().iter().map(|(_, case)| case.name).collect()
+        };
+        assert_eq!(names(&["t01"]), ["t01-equal-keys"]);
+        assert!(names(&["t02", "t09-normals"]).len() > 3);
+        assert_eq!(names(&[]).len(), hard_cases::all().count());
+        assert_eq!(chosen(&["t99".to_owned()]).unwrap_err().exit, Exit::Usage);
+    }
 }

@@ -166,7 +166,7 @@ mod tests {
         Cli::command().debug_assert();
         let mut command = Cli::command();
         command.build();
-        for name in ["render", "plan", "inspect", "adapters", "bench", "tradeoff"] {
+        for name in ["render", "plan", "inspect", "adapters", "bench", "tradeoff", "hard-cases"] {
             let help = command.find_subcommand_mut(name).unwrap().render_long_help().to_string();
             for variable in ["WGPU_BACKEND", "WGPU_ADAPTER_NAME", "RUST_LOG", "NO_COLOR"] {
                 assert!(help.contains(variable), "{name} --help does not name {variable}");
@@ -212,6 +212,7 @@ mod tests {
             "render builtin:gearbox -o - --k 8 --camera isometric --set a.b=c --set d=e --orthographic --bits 16",
             "plan a.glb --json --preset paper",
             "inspect a.glb",
+            "hard-cases t01 --json",
             "bench buckets",
             "bench frame a.glb --k 16",
             "tradeoff a.glb -o d --axes k,key --limit-seconds 5 --k 8 --camera front",

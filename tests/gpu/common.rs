@@ -3,13 +3,15 @@
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 use glam::{DVec2, DVec3};
-use pellucid::gpu::{Gpu, GpuOptions, shader_files};
+use pellucid::gpu::{Gpu, GpuOptions};
 use pellucid::math::Camera;
 use pellucid::oracle::{Extents, View};
-use pellucid::plan::Capture;
-use pellucid::render::{DrawOrder, Frame, Renderer, StoreReadback};
+use pellucid::render::{DrawOrder, Renderer, StoreReadback};
 use pellucid::scene::Scene;
+use pellucid::scene::hard_case::ShaderChange;
 use pellucid::settings::Settings;
+pub use pellucid::tradeoff::hard_cases::Shot;
+use pellucid::tradeoff::hard_cases::changed_module;
 use pellucid::transfer::{TransferFunction, TransferSource};
 
 pub type Lock = MutexGuard<'static, Renderer>;
@@ -119,32 +121,23 @@ pub fn front(scene: &Scene, orthographic: bool) -> Camera {
 
 /// Uploads, draws and reads back; the store is empty where there is none, or only that of the last band.
 pub fn draw(r: &mut Renderer, scene: &Scene, camera: &Camera, settings: &Settings, size: [u32; 2]) -> Shot {
-    let loaded = r.load(scene).expect("upload");
-    let frame = r.render(&loaded, camera, settings, size).expect("a frame");
-    let report = &frame.report;
-    let readable = report.bands == 1 && report.plan.samples == 1 && report.plan.capture != Capture::None;
-    let store =
-        if readable { r.read_store(report, &loaded, camera).expect("read-back") } else { StoreReadback::default() };
-    Shot { frame, store }
+    Shot::take(r, scene, camera, settings, size).expect("a frame")
 }
 
-/// A frame and its store.
-pub struct Shot {
-    pub frame: Frame,
-    pub store: StoreReadback,
+/// What tests ask of a frame and its store.
+pub trait Compared {
+    fn kappa_bits(&self) -> Vec<u32>;
+
+    /// Everything that must be equal where two ways lead to the same store and picture.
+    fn assert_same(&self, other: &Self, what: &str);
 }
 
-impl Shot {
-    pub fn bits(&self) -> Vec<[u32; 4]> {
-        self.frame.image.pixels.iter().map(|p| p.map(f32::to_bits)).collect()
-    }
-
-    pub fn kappa_bits(&self) -> Vec<u32> {
+impl Compared for Shot {
+    fn kappa_bits(&self) -> Vec<u32> {
         self.store.kappa.iter().map(|k| k.to_bits()).collect()
     }
 
-    /// Everything that must be equal where two ways lead to the same store and picture.
-    pub fn assert_same(&self, other: &Shot, what: &str) {
+    fn assert_same(&self, other: &Shot, what: &str) {
         let (a, b) = (&self.store, &other.store);
         assert_eq!(a.layers.counts, b.layers.counts, "{what}: layers of the pixels");
         assert_first(&a.words, &b.words, &format!("{what}: stored words"));
@@ -180,16 +173,11 @@ pub fn percentile(values: &mut [f64], p: f64) -> f64 {
 }
 
 pub fn assert_finite(shot: &Shot, what: &str) {
-    assert!(shot.frame.image.pixels.iter().flatten().all(|v| v.is_finite()), "{what}: image");
-    assert!(shot.store.kappa.iter().all(|k| k.is_finite() && k.abs() <= 1.0), "{what}: kappa");
-    assert!(shot.store.layers.normal.iter().flatten().all(|v| v.is_finite()), "{what}: normals");
+    assert_eq!(shot.fault(), None, "{what}");
     assert!(shot.frame.report.layers.balanced(), "{what}: {:?}", shot.frame.report.layers);
 }
 
 /// Text of a shader module with a change.
-pub fn changed(module: &str, from: &str, to: &str) -> String {
-    let file = format!("{module}.wgsl");
-    let (_, text) = shader_files().into_iter().find(|(name, _)| *name == file).expect("a module");
-    assert!(text.contains(from), "{module} has no '{from}'");
-    text.replace(from, to)
+pub fn changed(module: &'static str, from: &'static str, to: &'static str) -> String {
+    changed_module(&ShaderChange { module, from, to }).unwrap_or_else(|e| panic!("{e}"))
 }

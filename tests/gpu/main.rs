@@ -8,6 +8,7 @@
 mod captures;
 mod common;
 mod curvature;
+mod hard_cases;
 mod meshes;
 mod pictures;
 mod raster;

@@ -6,6 +6,8 @@ use std::time::Duration;
 use glam::DVec2;
 use pellucid::gpu::{Gpu, GpuOptions};
 use pellucid::math::{Camera, LinearImage};
+use pellucid::oracle::compare::rig;
+use pellucid::oracle::stylize::Tables;
 use pellucid::oracle::{composite, curvature, neighbours_expected, rasterize, shade, stylize};
 use pellucid::render::RenderError;
 use pellucid::scene::Scene;
@@ -19,7 +21,6 @@ use pellucid::tradeoff::workbench::{Drawn, Lane, RendererBench, Wanted, Workbenc
 
 use crate::common::*;
 use crate::meshes;
-use crate::stages::{rig, tables};
 
 const SIZE: [u32; 2] = [64, 56];
 
@@ -64,7 +65,7 @@ fn the_reference_equals_the_oracle_on_small_scenes() {
         let links = neighbours_expected(&store, &extents, Some(&view), true);
         let bent = curvature(&store, &links, &view, &extents, &exact.features.curvature);
         let lit = shade::shade(&store, &view, &rig(&exact.light));
-        let styled = stylize::stylize(&store, &lit, &bent.kappa, &extents, &exact.opacity, &tables(&lively()));
+        let styled = stylize::stylize(&store, &lit, &bent.kappa, &extents, &exact.opacity, &Tables::of(&lively()));
         let picture = composite::front_to_back(&store, &styled, None);
         let picture = LinearImage {
             width: SIZE[0],

@@ -21,7 +21,7 @@ use crate::meshes::{self, Random};
 /// Draws with a changed shader module.
 fn draw_changed(
     r: &mut Renderer,
-    change: (&str, &str, &str),
+    change: (&'static str, &'static str, &'static str),
     scene: &Scene,
     camera: &Camera,
     pairs: &str,

@@ -96,9 +96,19 @@ fn help_names_commands_environment_and_exit_codes() {
     let place = Place::new();
     let help = place.done("--help");
     assert!(help.err.is_empty());
-    for word in
-        ["render", "plan", "inspect", "adapters", "settings", "presets", "scenes", "assets", "bench", "tradeoff"]
-    {
+    for word in [
+        "render",
+        "plan",
+        "inspect",
+        "adapters",
+        "settings",
+        "presets",
+        "scenes",
+        "assets",
+        "bench",
+        "tradeoff",
+        "hard-cases",
+    ] {
         assert!(help.text().contains(word), "{word}");
         let own = place.done(&format!("{word} --help"));
         assert!(own.text().contains("Usage: pellucid") && own.err.is_empty());
@@ -111,6 +121,7 @@ fn help_names_commands_environment_and_exit_codes() {
         "adapters --help",
         "bench --help",
         "tradeoff --help",
+        "hard-cases --help",
     ] {
         let text = place.done(line).text();
         let end = text.split("Environment:").nth(1).unwrap_or_else(|| panic!("{line}"));

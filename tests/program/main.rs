@@ -1,6 +1,7 @@
 //! Tests of the program as a whole: its shaders, its structure, the real binary, real models.
 
 mod commands;
+mod hard_cases;
 mod models;
 mod shaders;
 mod structure;

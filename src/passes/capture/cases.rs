@@ -218,6 +218,29 @@ pub const CASES: &[HardCase] = &[
         bound: 0.0,
     },
     HardCase {
+        name: "t27-order-of-parts",
+        trap: "T27",
+        why: "An assembly with a bit of everything, parts and triangles shuffled, in rows of four slots with an averaged \
+              tail: which fragment evicts which, and when, is another story in every order, and the picture must be the \
+              same. One slot too few to carry on what leaves the last one, and it is not.",
+        scene: Builtin("builtin:hard/assembly?seed=22"),
+        camera: CaseCamera::CORNER,
+        size: [64, 56],
+        ours: Method::of(
+            "k = 4, averaged tail",
+            "capture.kind=bucketed_k_buffer capture.bucketed_k_buffer.k=4 capture.bucketed_k_buffer.tail=average",
+        ),
+        contrast: Some(Planted(
+            Method::of(
+                "evicted fragments are forgotten",
+                "capture.kind=bucketed_k_buffer capture.bucketed_k_buffer.k=4 capture.bucketed_k_buffer.tail=average",
+            )
+            .changed("passes/capture/bucketed_k_buffer/z_insertion", "key = max(old, key);", "break;"),
+        )),
+        measure: Measure::OrderDependence(4),
+        bound: 0.0,
+    },
+    HardCase {
         name: "t28-captures-agree",
         trap: "T28",
         why: "A k-buffer that is deep enough and lists of every layer are two structures for one set of fragments: each is \
