@@ -11,6 +11,7 @@ mod table;
 
 use serde::Serialize;
 
+use crate::oracle::compare::AMBIGUOUS;
 use crate::passes::{capture, composite, features, geometry, opacity, opaque, shade};
 use crate::plan::Refusal;
 use crate::render::{RenderError, Renderer};
@@ -162,6 +163,12 @@ pub enum CaseError {
         /// What it should have.
         text: String,
     },
+    /// The store does not fit a binding of the adapter, and of several bands only the last is left to be compared.
+    #[error("the picture takes {bands} bands on this adapter; a store of one band is needed for the comparison")]
+    Banded {
+        /// Bands that it takes.
+        bands: usize,
+    },
     /// The picture is broken in a way that no case allows.
     #[error("{0}")]
     Broken(String),
@@ -175,6 +182,7 @@ impl CaseError {
                 !matches!(refusal, Refusal::TooManyParts { .. } | Refusal::EmptyImage { .. } | Refusal::Transfer(_))
             }
             CaseError::Render(RenderError::PixelTooDeep { .. } | RenderError::RowTooDeep { .. }) => true,
+            CaseError::Banded { .. } => true,
             _ => false,
         }
     }
@@ -230,8 +238,6 @@ pub fn run(renderer: &mut Renderer, technique: &'static str, case: &HardCase, ef
         reason,
     }
 }
-
-use crate::oracle::compare::AMBIGUOUS;
 
 /// The figure of one method.
 ///

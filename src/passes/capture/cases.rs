@@ -222,7 +222,7 @@ pub const CASES: &[HardCase] = &[
         trap: "T27",
         why: "An assembly with a bit of everything, parts and triangles shuffled, in rows of four slots with an averaged \
               tail: which fragment evicts which, and when, is another story in every order, and the picture must be the \
-              same. One slot too few to carry on what leaves the last one, and it is not.",
+              same. It is not if what leaves a slot is not carried on to the next.",
         scene: Builtin("builtin:hard/assembly?seed=22"),
         camera: CaseCamera::CORNER,
         size: [64, 56],

@@ -95,7 +95,7 @@ pub const CASES: &[HardCase] = &[
         ),
         contrast: Some(Planted(
             Method::of(
-                "grazing normals not bounded",
+                "mean of the axes kept in part",
                 "features.curvature.unit=scene features.curvature.scale=1000 features.curvature.radius=0.05",
             )
             .changed("passes/features/curvature", "- mean * axis.normal)", "- 0.9 * mean * axis.normal)"),

@@ -61,7 +61,7 @@ pub const CASES: &[HardCase] = &[
     HardCase {
         name: "t29-camera-inside",
         trap: "T29",
-        why: "The eye stands inside a dozen nested parts, most of which reach behind it: bounds give no near plane, every \
+        why: "The eye stands inside ten nested parts, most of which reach behind it: bounds give no near plane, every \
               second triangle crosses it, and what lies behind must not come back mirrored.",
         scene: Builtin("builtin:hard/assembly?seed=30"),
         camera: eye(DVec3::new(0.21, -0.13, 0.34), DVec3::new(-0.3, 0.1, -0.4)),

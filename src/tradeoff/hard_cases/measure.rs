@@ -11,7 +11,7 @@ use crate::math::color::srgb_from_linear;
 use crate::oracle::compare::{self, Comparison, rig};
 use crate::oracle::stylize::Tables;
 use crate::oracle::{Extents, Layers, Link, View, composite, rasterize, shade, stylize};
-use crate::plan::{Capture, Opacity};
+use crate::plan::Capture;
 use crate::render::{DrawOrder, Renderer};
 use crate::scene::Scene;
 use crate::scene::hard_case::{HardCase, Measure, Method, Source};
@@ -94,13 +94,22 @@ impl<'a> Stand<'a> {
         }
     }
 
-    /// Draws `scene`; a picture that is not finite is no figure but a fault.
+    /// Draws `scene`; a picture that is not finite, or of ours whose books do not balance, is no figure but a fault.
     pub(super) fn shoot(&mut self, scene: &Scene, camera: &Camera, settings: &Settings) -> Result<Shot, CaseError> {
         let shot = Shot::take(self.r, scene, camera, settings, self.case.size)?;
-        match shot.fault() {
-            Some(fault) => Err(CaseError::Broken(fault.to_owned())),
-            None => Ok(shot),
+        let report = &shot.frame.report;
+        if report.bands > 1 {
+            return Err(CaseError::Banded { bands: report.bands });
         }
+        if let Some(fault) = shot.fault() {
+            return Err(CaseError::Broken(fault.to_owned()));
+        }
+        // Where the books themselves are measured, they are the figure.
+        let measured = matches!(self.case.measure, Measure::Unaccounted);
+        if std::ptr::eq(self.method, &self.case.ours) && !measured && !report.layers.balanced() {
+            return Err(CaseError::Broken(format!("the books do not balance: {:?}", report.layers)));
+        }
+        Ok(shot)
     }
 
     fn shot(&mut self) -> Result<Shot, CaseError> {
@@ -355,15 +364,7 @@ impl<'a> Stand<'a> {
 
     fn blend_error(&mut self) -> Result<Figure, CaseError> {
         let shot = self.shot()?;
-        let of_layer = |c: &[f32; 4]| {
-            let [r, g, b, a] = c.map(f64::from);
-            match shot.frame.report.plan.opacity {
-                Opacity::Constant { alpha } => [r, g, b, alpha * a],
-                _ => [r, g, b, a],
-            }
-        };
-        let colors: Vec<[f64; 4]> = shot.store.lit.iter().map(of_layer).collect();
-        let exact = composite::front_to_back(&shot.store.layers, &colors, None);
+        let exact = composite::front_to_back(&shot.store.layers, &shot.colors(), None);
         let off = off_by(&shot, &exact);
         let covered = shot.store.layers.counts.iter().filter(|c| **c > 0).count();
         Ok(Figure { value: off.into_iter().fold(0.0, f64::max), samples: covered, ambiguous: 0 })

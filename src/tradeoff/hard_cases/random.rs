@@ -9,7 +9,7 @@ use super::{CaseError, Figure, Shot};
 use crate::math::Camera;
 use crate::oracle::compare::{self, Comparison};
 use crate::oracle::{composite, rasterize};
-use crate::plan::{Capture, Opacity};
+use crate::plan::Capture;
 use crate::scene::hard_case::Source;
 use crate::scene::{Scene, builtin};
 
@@ -64,14 +64,6 @@ fn compared(scene: &Scene, camera: &Camera, shot: &Shot, settings: &crate::setti
     all.add(compare::links(scene, camera, layers, &store.links, how));
     let features = (store.links.as_slice(), store.kappa.as_slice());
     all.add(compare::kappa(scene, camera, layers, features, &settings.features.curvature));
-    let of_layer = |c: &[f32; 4]| {
-        let [r, g, b, a] = c.map(f64::from);
-        match shot.frame.report.plan.opacity {
-            Opacity::Constant { alpha } => [r, g, b, alpha * a],
-            _ => [r, g, b, a],
-        }
-    };
-    let colors: Vec<[f64; 4]> = store.lit.iter().map(of_layer).collect();
-    all.add(compare::colors(&shot.frame.image.pixels, &composite::front_to_back(layers, &colors, None)));
+    all.add(compare::colors(&shot.frame.image.pixels, &composite::front_to_back(layers, &shot.colors(), None)));
     all
 }

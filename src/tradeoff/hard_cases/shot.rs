@@ -3,7 +3,7 @@
 use super::CaseError;
 use crate::gpu::shader_files;
 use crate::math::Camera;
-use crate::plan::Capture;
+use crate::plan::{Capture, Opacity};
 use crate::render::{Frame, GpuScene, Renderer, StoreReadback};
 use crate::scene::hard_case::{ShaderChange, Source};
 use crate::scene::{Scene, builtin};
@@ -80,6 +80,19 @@ impl Shot {
     /// The picture's bits, for exact comparison.
     pub fn bits(&self) -> Vec<[u32; 4]> {
         self.frame.image.pixels.iter().map(|p| p.map(f32::to_bits)).collect()
+    }
+
+    /// Colour and opacity of every layer as they are blended.
+    pub fn colors(&self) -> Vec<[f64; 4]> {
+        let constant = match self.frame.report.plan.opacity {
+            Opacity::Constant { alpha } => alpha,
+            _ => 1.0,
+        };
+        let of_layer = |c: &[f32; 4]| {
+            let [r, g, b, a] = c.map(f64::from);
+            [r, g, b, constant * a]
+        };
+        self.store.lit.iter().map(of_layer).collect()
     }
 
     /// What no picture may have: numbers that are not finite, κ beyond its range.
