@@ -2,12 +2,6 @@
 
 use std::collections::HashSet;
 
-use super::super::axis::configurations;
-use super::super::image_error::{ErrorMap, ImageError};
-use super::super::layer_error::LayerError;
-use super::super::picture::Thumbnails;
-use super::super::statistics::estimate;
-use super::super::sweep::{Measured, Row, Sweep, Times};
 use super::*;
 use crate::gpu::PassTime;
 use crate::math::LinearImage;
@@ -15,6 +9,12 @@ use crate::passes::capture::LayerCounts;
 use crate::plan::Pass;
 use crate::settings::Settings;
 use crate::tradeoff::axis;
+use crate::tradeoff::axis::configurations;
+use crate::tradeoff::image_error::{ErrorMap, ImageError};
+use crate::tradeoff::layer_error::LayerError;
+use crate::tradeoff::picture::Thumbnails;
+use crate::tradeoff::statistics::estimate;
+use crate::tradeoff::sweep::{Measured, Row, Sweep, Times};
 
 /// A sweep over all axes with invented figures: the paper's key merges 0.8 %, and k=64 is refused.
 pub fn hand_made() -> Sweep {
