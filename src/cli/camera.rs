@@ -67,6 +67,16 @@ pub struct CameraArgs {
 }
 
 impl CameraArgs {
+    /// What the options ask for, in words.
+    pub fn describe(&self) -> String {
+        let plain = CameraArgs { camera: self.camera.clone(), ..CameraArgs::default() };
+        match &self.camera {
+            _ if format!("{plain:?}") != format!("{self:?}") => "a camera of its own".to_owned(),
+            Some(name) => format!("camera {name}"),
+            None => "three-quarter view".to_owned(),
+        }
+    }
+
     /// The camera for a scene in a picture of `aspect` = width / height.
     ///
     /// # Errors

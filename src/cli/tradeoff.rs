@@ -122,7 +122,7 @@ fn measure(
     .map_err(super::render::failed)?;
     let subject = Subject {
         model: args.file.clone(),
-        camera: args.camera.camera.clone().unwrap_or_else(|| "as given".to_owned()),
+        camera: args.camera.describe(),
         adapter: Some(gpu.facts().clone()),
         limit_seconds: options.limit.map(|l| l.as_secs()),
     };

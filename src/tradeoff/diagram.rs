@@ -60,16 +60,24 @@ impl Scale {
         self.from + t * (self.to - self.from)
     }
 
-    /// Values for lines: 1, 2 and 5 times powers of ten, or powers alone if that were too many.
+    /// Values for lines: powers of ten with as many values between them as it takes for a handful.
     fn ticks(&self) -> Vec<f64> {
-        let decades = (self.high / self.low).log10();
-        let steps: &[f64] = if decades > 3.0 { &[1.0] } else { &[1.0, 2.0, 5.0] };
+        const STEPS: [&[f64]; 4] = [
+            &[1.0],
+            &[1.0, 2.0, 5.0],
+            &[1.0, 2.0, 3.0, 4.0, 5.0, 7.0],
+            &[1.0, 1.2, 1.4, 1.6, 1.8, 2.0, 2.5, 3.0, 3.5, 4.0, 4.5, 5.0, 6.0, 7.0, 8.0, 9.0],
+        ];
         let first = self.low.log10().floor() as i32;
         let last = self.high.log10().ceil() as i32;
-        (first..=last)
-            .flat_map(|e| steps.iter().map(move |s| s * 10_f64.powi(e)))
-            .filter(|v| (self.low..=self.high).contains(v))
-            .collect()
+        let with = |steps: &[f64]| -> Vec<f64> {
+            (first..=last)
+                .flat_map(|e| steps.iter().map(move |s| s * 10_f64.powi(e)))
+                .filter(|v| (self.low..=self.high).contains(v))
+                .collect()
+        };
+        let fullest = with(STEPS[STEPS.len() - 1]);
+        STEPS.iter().map(|steps| with(steps)).find(|ticks| ticks.len() >= 4).unwrap_or(fullest)
     }
 }
 
@@ -86,7 +94,8 @@ fn overlap(a: &Rectangle, b: &Rectangle) -> bool {
 
 /// A place for the label of a point that covers no other label or point, if there is one; else the least bad.
 fn place_label(x: f64, y: f64, text: &str, taken: &[Rectangle]) -> Rectangle {
-    let (w, h) = (6.1 * text.chars().count() as f64 + 4.0, 13.0);
+    // As wide as the widest of the fonts that the page may get.
+    let (w, h) = (7.3 * text.chars().count() as f64 + 6.0, 13.0);
     let mut best: Option<(usize, Rectangle)> = None;
     for distance in [7.0, 18.0, 32.0, 50.0, 72.0, 98.0] {
         for (dx, dy) in
@@ -218,9 +227,10 @@ pub fn diagram(points: &[Point], error_name: &str) -> String {
             }
             let _ = writeln!(
                 svg,
-                "<text class=\"label {class}\" x=\"{:.1}\" y=\"{:.1}\">{}</text>",
-                r[0] + 2.0,
+                "<text class=\"label {class}\" x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"{}\">{}</text>",
+                if r[2] <= x { r[2] - 2.0 } else { r[0] + 2.0 },
                 r[3] - 3.0,
+                if r[2] <= x { "end" } else { "start" },
                 escape(&point.label)
             );
         }

@@ -17,7 +17,7 @@ const STYLE: &str = "\
 h1{font-size:1.7rem;margin:0 0 4px}h2{font-size:1.2rem;margin:40px 0 8px}p{margin:0 0 12px;max-width:78ch}.facts{color:var(--soft)}
 .words b{font-weight:650;white-space:nowrap}svg{width:100%;height:auto;background:var(--panel);border-radius:6px;display:block}
 .grid{stroke:var(--line);stroke-width:1}.zero{fill:var(--line);opacity:.45}.tick,.axis,.label{font:11px system-ui,'DejaVu Sans',sans-serif;fill:var(--soft)}.axis{font-size:12px}
-.label.best{fill:var(--best);font-weight:600}.label.beaten{fill:var(--beaten)}.front{fill:none;stroke:var(--best);stroke-width:1.5;opacity:.6}
+.label{paint-order:stroke;stroke:var(--panel);stroke-width:3px;stroke-linejoin:round}.label.best{fill:var(--best);font-weight:600}.label.beaten{fill:var(--beaten)}.front{fill:none;stroke:var(--best);stroke-width:1.5;opacity:.6}
 .best circle{fill:var(--best);stroke:var(--best)}.beaten circle{fill:var(--panel);stroke:var(--beaten);stroke-width:1.5}
 .best .interval{stroke:var(--best)}.beaten .interval{stroke:var(--beaten)}.interval{stroke-width:1.5;opacity:.55}.leader{stroke:var(--soft);stroke-width:.7;opacity:.6}
 .pictures{display:grid;grid-template-columns:repeat(auto-fill,minmax(320px,1fr));gap:20px}figure{margin:0;background:var(--panel);border-radius:6px;padding:10px}
@@ -53,10 +53,10 @@ fn facts(sweep: &Sweep, subject: &Subject) -> String {
     let adapter = subject
         .adapter
         .as_ref()
-        .map_or_else(String::new, |a| format!(" on {}, {} ({} {})", a.name, a.backend, a.driver, a.driver_info));
+        .map_or_else(String::new, |a| format!("; {}, {}, driver {} {}", a.name, a.backend, a.driver, a.driver_info));
     let commit = COMMIT.map_or_else(String::new, |c| format!(", commit {c}"));
     format!(
-        "{}×{} pixels, camera {}{adapter}; Pellucid {}{commit}. Layers were compared at {}×{}. {:.0} s in all.",
+        "{}×{} pixels, {}{adapter}; Pellucid {}{commit}. Layers were compared at {}×{}. {:.0} s in all.",
         sweep.size[0],
         sweep.size[1],
         subject.camera,

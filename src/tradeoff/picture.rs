@@ -134,7 +134,7 @@ mod tests {
         let reference = LinearImage { width: 100, height: 50, pixels: vec![[0.2, 0.2, 0.2, 1.0]; 5000] };
         let mut image = reference.clone();
         image.pixels[2550] = [1.0; 4];
-        let map = super::super::image_error::compare(&image, &reference, None).unwrap();
+        let map = crate::tradeoff::image_error::compare(&image, &reference, None).unwrap();
         let small = Thumbnails::new(&image, &reference, &map, None, 20);
         let [picture, difference, heat] = [&small.picture, &small.difference, &small.heat].map(|u| decode(u));
         assert_eq!([picture.dimensions(), difference.dimensions(), heat.dimensions()], [(20, 10); 3]);

@@ -1,10 +1,10 @@
 //! The machinery on itself, with a stand-in that draws pictures whose errors and delays are planted.
 
-use super::super::axis::configurations;
 use super::*;
 use crate::math::color::linear_from_srgb;
 use crate::plan::{Pass, Refusal};
 use crate::settings::{Axis, NormalEncoding};
+use crate::tradeoff::axis::configurations;
 use crate::tradeoff::axis::{AS_ASKED, named};
 
 /// Draws even grey; `xy15` is 5 steps lighter and 20 ms slower, of which 12 ms in one pass; a scene without `printed` depths.

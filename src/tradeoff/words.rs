@@ -81,13 +81,15 @@ impl Words<'_> {
     }
 
     fn time(&self, row: usize) -> Option<Paragraph> {
-        self.say(row, "It takes {relative_time}× the time of what was asked for ({relative_low} to {relative_high}).")
+        let interval = if self.number(row, "frames") > 1.0 { " ({relative_low} to {relative_high})" } else { "" };
+        self.say(row, &format!("It takes {{relative_time}}× the time of what was asked for{interval}."))
     }
 
     fn baseline(&mut self) {
         let Some(row) = self.row(AS_ASKED) else { return };
+        let interval = if self.number(row, "frames") > 1.0 { " ({time_low_ms} to {time_high_ms})" } else { "" };
         let sentences = [
-            self.say(row, "What was asked for takes {time_ms} ms a frame here ({time_low_ms} to {time_high_ms})."),
+            self.say(row, &format!("What was asked for takes {{time_ms}} ms a frame here{interval}.")),
             self.wrong(row, "It"),
             self.say(row, "Its view has {layers} layers."),
         ];
@@ -100,28 +102,30 @@ impl Words<'_> {
             .into_iter()
             .find_map(|k| Some((k, self.row(&format!("key=packed32, k={k}"))?, self.wide_row(k)?)));
         let Some((k, packed, wide)) = largest else { return };
-        let lost = |row| self.number(row, "lost") + self.number(row, "merged");
-        let sentences = [
-            self.say(
-                packed,
-                &format!("With k={k}, the paper's packed32 key merges {{merged_percent}} % of this view's layers"),
-            )
-            .map(|mut p| {
-                p.push(Piece::Text(", drops ".to_owned()));
-                p.push(Piece::Figure(self.table.cell(packed, "lost_percent").to_owned()));
-                p.push(Piece::Text(" % behind full pixels and puts ".to_owned()));
-                p.push(Piece::Figure(self.table.cell(packed, "out_of_order_percent").to_owned()));
-                p.push(Piece::Text(" % out of order.".to_owned()));
-                p
-            }),
-            self.say(packed, "It takes {relative_time}× the time of what was asked for;"),
-            if lost(wide) == 0.0 {
-                self.say(wide, "the wide key takes {relative_time}× and loses none.")
-            } else {
-                self.say(wide, "the wide key takes {relative_time}×, merges none and drops {lost_percent} %.")
-            },
-        ];
+        let timed = [packed, wide].map(|row| !self.table.cell(row, "relative_time").is_empty());
+        let kept = if self.number(wide, "lost") + self.number(wide, "merged") == 0.0 {
+            "loses none"
+        } else {
+            "merges none and drops {lost_percent} %"
+        };
+        let lost = format!(
+            "With k={k}, the paper's packed32 key merges {{merged_percent}} % of this view's layers, drops {{lost_percent}} % \
+             behind full pixels and puts {{out_of_order_percent}} % out of order."
+        );
+        let mut sentences = vec![self.say(packed, &lost)];
+        if timed == [true; 2] {
+            sentences.push(self.say(packed, "It takes {relative_time}× the time of what was asked for;"));
+            sentences.push(self.say(wide, &format!("the wide key takes {{relative_time}}× and {kept}.")));
+        } else {
+            sentences.push(self.say(wide, &format!("The wide key {kept}.")));
+        }
         self.paragraph(&sentences);
+    }
+
+    /// Ends a sentence with the time, if there is one.
+    fn in_time(&self, row: usize) -> &'static str {
+        let timed = !self.table.cell(row, "relative_time").is_empty();
+        if timed { ", in {relative_time}× the time" } else { "" }
     }
 
     fn wide_row(&self, k: &str) -> Option<usize> {
@@ -133,12 +137,13 @@ impl Words<'_> {
         let mut sentences: Vec<Option<Paragraph>> = Vec::new();
         for k in ["4", "8", "16", "32"] {
             let Some(row) = self.wide_row(k) else { continue };
+            let time = self.in_time(row);
             let pattern = if self.number(row, "lost") == 0.0 {
-                format!("k={k} keeps every layer, in {{relative_time}}× the time.")
+                format!("k={k} keeps every layer{time}.")
             } else {
                 format!(
                     "k={k} drops {{lost_percent}} % of the layers, which makes {{above_1_percent}} % of the pixels visibly \
-                     wrong, in {{relative_time}}× the time."
+                     wrong{time}."
                 )
             };
             sentences.push(self.say(row, &pattern));
@@ -160,7 +165,7 @@ impl Words<'_> {
             let rows: Vec<usize> = rows.map(|(i, _)| i).collect();
             let mut sentences = Vec::new();
             for row in rows {
-                let name = &self.sweep.rows[row].configuration.short;
+                let name = &self.sweep.rows[row].configuration.name;
                 sentences.extend([self.wrong(row, name), self.time(row)]);
                 if self.number(row, "neighbours_different_percent") > 0.0 {
                     sentences.push(self.say(row, "{neighbours_different_percent} % of the links lead elsewhere."));
@@ -182,9 +187,8 @@ impl Words<'_> {
         })];
         for row in rows {
             let name = &self.sweep.rows[row].configuration.short;
-            let pattern = format!(
-                "{name} is {{mean_steps}} steps off on average, FLIP {{flip_mean}}, in {{relative_time}}× the time."
-            );
+            let pattern =
+                format!("{name} is {{mean_steps}} steps off on average, FLIP {{flip_mean}}{}.", self.in_time(row));
             sentences.push(self.say(row, &pattern));
         }
         self.paragraph(&sentences);

@@ -82,7 +82,7 @@ fn the_reference_equals_the_oracle_on_small_scenes() {
             map.steps.len(),
             map.error.mean
         );
-        assert!(off as f64 <= 0.02 * map.steps.len() as f64 + 4.0 * ambiguous as f64, "{off}");
+        assert!(off <= ambiguous && map.error.mean < 0.05, "{off} {:?}", map.error);
         let expected = pellucid::render::StoreReadback {
             links: links.links,
             kappa: bent.kappa.iter().map(|k| *k as f32).collect(),
@@ -92,8 +92,9 @@ fn the_reference_equals_the_oracle_on_small_scenes() {
         };
         let e = layer_error(&shot.store, &expected, Identity::Triangle).unwrap();
         println!("scene {seed}: {e:?}");
-        let few = (0.002 * e.layers as f64) as u64;
-        assert!(e.lost <= few && e.extra <= few && e.out_of_order <= few, "{e:?}");
+        // A sample on an edge may belong to the triangle on either side.
+        let few = ambiguous as u64;
+        assert!(e.lost <= few && e.extra <= few && e.out_of_order == 0 && e.merged == 0, "{e:?}");
         assert!(e.neighbours_different.unwrap() < 0.01 && e.kappa_p95.unwrap() < 0.01 && e.opacity_p95.unwrap() < 0.01);
     }
 }
@@ -121,8 +122,9 @@ fn one_configuration_against_itself_has_exactly_no_error() {
 /// What the comparison finds missing is what the GPU counted, though the packed key does not say which triangle it was.
 #[test]
 fn the_papers_key_loses_what_the_books_say() {
-    let scene = meshes::assembly(3);
-    let camera = camera(&scene, false);
+    // A quarter of a 16-bit step apart: of four layers of a part, all but one or two merge.
+    let scene = meshes::stack(24, 1e-5, |i| (i / 8) as usize);
+    let camera = front(&scene, false);
     let Some(mut bench) = bench(&scene, &camera) else { return };
     let base = with_transfer(settings(""), lively());
     let swept = sweep(&mut bench, &base, &["k", "key", "depth"], &errors_alone());
