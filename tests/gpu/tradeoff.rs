@@ -92,9 +92,9 @@ fn the_reference_equals_the_oracle_on_small_scenes() {
         };
         let e = layer_error(&shot.store, &expected, Identity::Triangle).unwrap();
         println!("scene {seed}: {e:?}");
-        // A sample on an edge may belong to the triangle on either side.
+        // A sample on an edge may belong to the triangle on either side, and depths a rounding apart to either order.
         let few = ambiguous as u64;
-        assert!(e.lost <= few && e.extra <= few && e.out_of_order == 0 && e.merged == 0, "{e:?}");
+        assert!(e.lost <= few && e.extra <= few && e.out_of_order <= few && e.merged == 0, "{e:?}");
         assert!(e.neighbours_different.unwrap() < 0.01 && e.kappa_p95.unwrap() < 0.01 && e.opacity_p95.unwrap() < 0.01);
     }
 }
