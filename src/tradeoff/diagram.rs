@@ -10,7 +10,7 @@ use std::fmt::Write;
 pub struct Point {
     /// What it is called.
     pub label: String,
-    /// Milliseconds: lower end, median, upper end; positive.
+    /// Over that of the baseline: lower end, median, upper end; positive.
     pub time: [f64; 3],
     /// At least 0.
     pub error: f64,
@@ -176,7 +176,7 @@ pub fn diagram(points: &[Point], error_name: &str) -> String {
     }
     let _ = writeln!(
         svg,
-        "<text class=\"axis\" x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\">time of a frame, ms</text>\
+        "<text class=\"axis\" x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\">time of a frame, times that of what was asked for</text>\
          <text class=\"axis\" transform=\"translate(16 {:.1}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
         (LEFT + WIDTH - RIGHT) / 2.0,
         HEIGHT - 12.0,
@@ -203,7 +203,7 @@ pub fn diagram(points: &[Point], error_name: &str) -> String {
         let _ = writeln!(
             svg,
             "<g class=\"{class}\"><line class=\"interval\" x1=\"{low:.1}\" y1=\"{y:.1}\" x2=\"{high:.1}\" y2=\"{y:.1}\"/>\
-             <circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4.5\"><title>{}: {} ms, {} {}</title></circle></g>",
+             <circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4.5\"><title>{}: {}×, {} {}</title></circle></g>",
             escape(&point.label),
             super::table::figure(point.time[1]),
             super::table::figure(point.error),

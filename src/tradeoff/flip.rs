@@ -242,6 +242,41 @@ mod tests {
         }
     }
 
+    /// Against NVIDIA's implementation (the crate nv-flip 0.1.2), which takes bytes: gradients, a chequer, noise, a brighter side.
+    #[test]
+    fn the_values_are_those_of_the_reference_implementation() {
+        let (width, height) = (96_usize, 80_usize);
+        let mut state = 1_u64;
+        let mut noise = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 56) as u8
+        };
+        let a: Vec<[u8; 3]> = (0..width * height)
+            .map(|i| (i % width, i / width))
+            .map(|(x, y)| [(2 * x) as u8, (3 * y) as u8, ((x / 8 + y / 8) % 2 * 180) as u8])
+            .collect();
+        let mut b = a.clone();
+        for (i, pixel) in b.iter_mut().enumerate() {
+            for v in pixel {
+                if i % 97 == 0 {
+                    *v = noise();
+                } else if i % width > 60 {
+                    *v = v.saturating_add(20);
+                }
+            }
+        }
+        let shown = |p: &[[u8; 3]]| p.iter().map(|p| p.map(|v| f64::from(v) / 255.0)).collect::<Vec<_>>();
+        let values = flip(&shown(&a), &shown(&b), width);
+        println!("mean {:.6}", mean(&values));
+        assert!((mean(&values) - 0.143_079).abs() < 2e-4, "{}", mean(&values));
+        let theirs = [(0, 0, 0.904_41), (10, 10, 0.704_79), (61, 40, 0.290_00), (95, 79, 0.424_15), (48, 5, 0.0)];
+        for (x, y, theirs) in theirs {
+            let ours = values[y * width + x];
+            println!("{x}, {y}: {ours:.5}, {theirs:.5}");
+            assert!((ours - theirs).abs() < 1e-3, "{x}, {y}: {ours} and {theirs}");
+        }
+    }
+
     #[test]
     fn a_changed_pixel_counts_around_itself_only() {
         let a = vec![[0.5; 3]; 64 * 64];

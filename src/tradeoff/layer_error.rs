@@ -9,8 +9,9 @@
 //!
 //! # Where the others went
 //! A reference layer without a match is *lost* if its pixel was full and it lies behind the last stored layer, or if keys are
-//! wide; it is *merged* otherwise: nothing but another fragment with an equal key explains its absence. (Of a tie at the very
-//! last place of a full pixel, the farther fragment counts as lost.) Layers that the reference does not have are *extra*: always
+//! wide; it is *merged* otherwise: another fragment with an equal key, or one that is nearer only by quantized depth, took its
+//! place. At the very last place of a full pixel the two can be taken for each other; their sum is exact. Layers that the
+//! reference does not have are *extra*: always
 //! 0 unless something is broken.
 
 use std::collections::HashMap;

@@ -55,8 +55,15 @@ fn facts(sweep: &Sweep, subject: &Subject) -> String {
         .as_ref()
         .map_or_else(String::new, |a| format!("; {}, {}, driver {} {}", a.name, a.backend, a.driver, a.driver_info));
     let commit = COMMIT.map_or_else(String::new, |c| format!(", commit {c}"));
+    let few = sweep.rows.iter().filter_map(|r| r.outcome.as_ref().ok()?.times.as_ref()).any(|t| t.samples.len() < 6);
+    let few = if few {
+        " Some times rest on fewer than six frames, so that their intervals hold less than 95 %; a longer --limit-seconds \
+         gives more."
+    } else {
+        ""
+    };
     format!(
-        "{}×{} pixels, {}{adapter}; Pellucid {}{commit}. Layers were compared at {}×{}. {:.0} s in all.",
+        "{}×{} pixels, {}{adapter}; Pellucid {}{commit}. Layers were compared at {}×{}. {:.0} s in all.{few}",
         sweep.size[0],
         sweep.size[1],
         subject.camera,
@@ -84,12 +91,12 @@ fn words(html: &mut String, sweep: &Sweep, table: &Table) {
     html.push_str("</section>\n");
 }
 
-/// The points of a diagram.
+/// The points of a diagram. Times are those over the baseline's frames beside them, which a busy machine slows down as much.
 fn points(sweep: &Sweep, table: &Table, judge: Judge, error: impl Fn(usize) -> Option<f64>) -> Vec<Point> {
     (0..sweep.rows.len())
         .filter(|&i| sweep.rows[i].configuration.judge == judge)
         .filter_map(|i| {
-            let time = ["time_low_ms", "time_ms", "time_high_ms"].map(|c| table.number(i, c));
+            let time = ["relative_low", "relative_time", "relative_high"].map(|c| table.number(i, c));
             let [Some(low), Some(middle), Some(high)] = time else { return None };
             let label = sweep.rows[i].configuration.short.clone();
             Some(Point { label, time: [low, middle, high], error: error(i)? })
@@ -117,7 +124,7 @@ fn diagrams(html: &mut String, sweep: &Sweep, table: &Table) {
     for (title, name, points) in all.into_iter().filter(|(_, _, points)| !points.is_empty()) {
         let _ = writeln!(
             html,
-            "<section><h2>{title}</h2>\n<p class=\"facts\">Down and left is better. Filled: nothing measured is both faster \
+            "<section><h2>{title}</h2>\n<p class=\"facts\">Times are multiples of what was asked for, drawn in turn. Down and left is better. Filled: nothing measured is both faster \
              and closer to the reference. Bars: 95 % interval of the median.</p>\n{}</section>",
             diagram(&points, name)
         );

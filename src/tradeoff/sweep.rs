@@ -65,7 +65,7 @@ pub struct Times {
     pub samples: Vec<f64>,
     /// The baseline's frames drawn in turn with them.
     pub baseline_samples: Vec<f64>,
-    /// Median of `samples`.
+    /// Median of `samples`; for the baseline, of every frame of it in the sweep.
     pub whole: Option<Estimate>,
     /// Median of each sample over the baseline's beside it.
     pub ratio: Option<Estimate>,
@@ -204,25 +204,33 @@ pub fn run(
     let exact: Reference = Ok(run.target(exact_settings)?);
     let mut supersampled: Option<Reference> = None;
     let baseline = configurations.first().map(|c| c.settings.clone()).unwrap_or_default();
+    if options.most_frames > 0 && !run.out_of_time() {
+        // Compiles in the baseline's lane, so that the first configuration need not pay for it. What is refused here is refused
+        // again as a row.
+        let _ = run.draw(Lane::Baseline, &baseline, options.size, Wanted::default());
+    }
     let mut rows = Vec::with_capacity(configurations.len());
     for (done, configuration) in configurations.iter().enumerate() {
         progress(Step { done, of: configurations.len(), name: &configuration.name });
+        let out_of_time = run.out_of_time();
+        if configuration.judge == Judge::Supersampled && supersampled.is_none() && !out_of_time {
+            supersampled = Some(run.target(supersampled_settings).map_err(sentence));
+        }
         let share = run.share(&configurations[done..], supersampled.is_none().then_some(supersampled_settings));
-        let outcome = if run.out_of_time() {
-            Err(format!("not measured: the time limit of {} s was reached", run.limit_seconds()))
-        } else {
-            let reference = match configuration.judge {
-                Judge::Exact => &exact,
-                Judge::Supersampled => {
-                    supersampled.get_or_insert_with(|| run.target(supersampled_settings).map_err(sentence))
-                }
-            };
-            match reference {
-                Ok(target) => run.measure(configuration, &baseline, target, share),
-                Err(reason) => Err(format!("its reference could not be drawn: {reason}")),
-            }
+        let reference = match configuration.judge {
+            Judge::Exact => Some(&exact),
+            Judge::Supersampled => supersampled.as_ref(),
+        };
+        let outcome = match reference {
+            Some(Ok(target)) if !out_of_time => run.measure(configuration, &baseline, target, share),
+            Some(Err(reason)) => Err(format!("its reference could not be drawn: {reason}")),
+            _ => Err(format!("not measured: the time limit of {} s was reached", run.limit_seconds())),
         };
         rows.push(Row { configuration: configuration.clone(), outcome });
+    }
+    // The baseline was drawn in turn with everything: all its frames count.
+    if let Some(Row { outcome: Ok(Measured { times: Some(times), .. }), .. }) = rows.first_mut() {
+        times.whole = estimate(&run.baseline_samples, options.seed);
     }
     let reference_thumbnail = exact
         .ok()
@@ -371,7 +379,6 @@ impl Run<'_> {
             self.draw(Lane::Candidate, settings, size, Wanted::default())?;
         }
         if self.baseline_samples.is_empty() {
-            self.draw(Lane::Baseline, baseline, self.options.size, Wanted::default())?;
             self.draw(Lane::Baseline, baseline, self.options.size, Wanted::default())?;
         }
         let enough = |done: usize, each: Duration| {

@@ -135,8 +135,9 @@ fn the_papers_key_loses_what_the_books_say() {
         println!("{}: {l:?}", row.configuration.name);
         assert_eq!(l.extra, 0, "{}", row.configuration.name);
         assert_eq!(l.lost + l.merged, m.counts.merged + m.counts.dropped, "{}", row.configuration.name);
-        // Of a tie at the last place of a full pixel the farther counts as lost.
-        assert!(l.merged <= m.counts.merged, "{}", row.configuration.name);
+        if m.counts.dropped == 0 {
+            assert_eq!(l.merged, m.counts.merged, "{}", row.configuration.name);
+        }
         if !row.configuration.name.contains("packed32") {
             assert_eq!((l.merged, l.out_of_order), (0, 0), "{}", row.configuration.name);
         }
