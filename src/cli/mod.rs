@@ -5,6 +5,7 @@
 //! whole or not at all. A failure is one line, `pellucid: FILE: place: cause`, and an exit code ([`Exit`]).
 
 mod bench;
+mod budget;
 mod camera;
 mod failure;
 mod hard_cases;
@@ -28,6 +29,8 @@ use crate::export::png::{read_png, write_png};
 use crate::render::FrameReport;
 use crate::scene::builtin;
 use crate::settings::{OpacityModel, Settings};
+use crate::tradeoff::budget::{Choice, Goal};
+use crate::tradeoff::image_error::resized;
 use crate::transfer::{self, OpacityFunction, TransferSource};
 pub use failure::{Exit, Failure};
 use options::{Cli, Command, PlanArgs, RenderArgs, ViewArgs};
@@ -150,6 +153,9 @@ struct Stats {
     /// How the passes were timed.
     timing: &'static str,
     pictures: Vec<Picture>,
+    /// What `--budget` or `--max-error` chose.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    choice: Option<Choice>,
     #[serde(skip_serializing_if = "Option::is_none")]
     difference: Option<Difference>,
 }
@@ -175,23 +181,35 @@ fn render(args: &RenderArgs) -> Result<(), Failure> {
     }
     let settings = look.settings()?;
     let background = parse_background(&settings.image.background).map_err(|e| Failure::new(Exit::Usage, e))?;
-    let takes = takes(settings, args.compare)?;
+    let mut takes = takes(settings, args.compare)?;
     let reference = args.reference.as_deref().map(read_reference).transpose()?;
 
     let progress = Progress::new();
     let scene = load::scene(file, &progress)?;
     let camera = camera.camera(&scene, f64::from(size[0]) / f64::from(size[1]))?;
     progress.stage("starting the adapter");
+    let chosen = match args.budget.goal() {
+        Some(goal) => {
+            let picture = (*size, background);
+            let chosen = budget::chosen(&args.budget, goal, &scene, &camera, &takes[0].settings, picture, &progress)?;
+            progress.say(&format!("{file}: {}", chosen.sentence));
+            takes[0].settings = chosen.choice.settings.clone();
+            Some(chosen.choice)
+        }
+        None => None,
+    };
+    let scale = chosen.as_ref().map_or(1.0, |c| c.scale);
+    let drawn_size = size.map(|s| ((f64::from(s) * scale).round() as u32).max(1));
     let mut session = Session::open(&scene)?;
     let timing = if args.stats.is_some() { session.time_passes() } else { "not measured" };
     let mut images = Vec::new();
     let mut pictures = Vec::new();
     for Take { name, settings } in &takes {
         progress.stage(&format!("rendering {name}"));
-        let frame = session.render(&camera, settings, *size)?;
+        let frame = session.render(&camera, settings, drawn_size)?;
         let subject = if args.compare { format!("{file}: {name}") } else { file.clone() };
-        progress.say(&summary(&subject, *size, &frame.report));
-        images.push(frame.image);
+        progress.say(&summary(&subject, drawn_size, &frame.report));
+        images.push(resized(&frame.image, *size));
         pictures.push(Picture { name, report: frame.report });
     }
     let image =
@@ -202,7 +220,7 @@ fn render(args: &RenderArgs) -> Result<(), Failure> {
     if let Some(output) = &args.output {
         output::write(output, &png)?;
     }
-    let mut stats = Stats { file: file.clone(), size: *size, timing, pictures, difference: None };
+    let mut stats = Stats { file: file.clone(), size: *size, timing, pictures, choice: chosen, difference: None };
     let verdict = match (&args.reference, reference) {
         (Some(path), Some(reference)) => {
             let (difference, verdict) = judge(path, &png, &reference, args.threshold)?;
@@ -214,7 +232,13 @@ fn render(args: &RenderArgs) -> Result<(), Failure> {
     if let Some(target) = &args.stats {
         output::write(target, output::json(&stats)?.as_bytes())?;
     }
-    verdict
+    match (args.budget.goal(), &stats.choice) {
+        // Times are never judged: a machine may be busy. An error is what it is.
+        (Some(Goal::Error(limit)), Some(choice)) if !choice.kept && verdict.is_ok() => {
+            Err(Failure::new(Exit::Differ, format!("{file}: no configuration was found below FLIP {limit}")))
+        }
+        _ => verdict,
+    }
 }
 
 fn read_reference(path: &Path) -> Result<LinearImage, Failure> {

@@ -6,6 +6,7 @@ use clap::{Args, Parser, Subcommand};
 
 use super::ENVIRONMENT;
 use super::bench::BenchCommand;
+use super::budget::BudgetArgs;
 use super::camera::CameraArgs;
 use super::hard_cases::HardCasesArgs;
 use super::looks::LookArgs;
@@ -115,6 +116,9 @@ pub struct RenderArgs {
     /// Largest mean difference, in sRGB values from 0 to 1
     #[arg(help_heading = "Output", long, value_name = "T", value_parser = threshold, default_value = "0.002", requires = "reference")]
     pub threshold: f64,
+    /// Settings chosen by a promise.
+    #[command(flatten)]
+    pub budget: BudgetArgs,
 }
 
 /// Options of `plan`.

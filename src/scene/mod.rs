@@ -14,6 +14,7 @@
 
 pub mod builtin;
 pub mod hard_case;
+mod digest;
 mod normals;
 mod statistics;
 
