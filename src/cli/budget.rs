@@ -204,7 +204,10 @@ mod tests {
 
     #[test]
     fn times_and_errors_parse_strictly() {
-        assert_eq!((milliseconds("33ms"), milliseconds("0.5s"), milliseconds("2 s")), (Ok(33.0), Ok(500.0), Ok(2000.0)));
+        assert_eq!(
+            (milliseconds("33ms"), milliseconds("0.5s"), milliseconds("2 s")),
+            (Ok(33.0), Ok(500.0), Ok(2000.0))
+        );
         for bad in ["33", "ms", "-1ms", "0ms", "NaNms", "infs", "1m", ""] {
             assert!(milliseconds(bad).is_err(), "{bad}");
         }
@@ -290,6 +293,10 @@ mod tests {
         );
         let broken = Choice { kept: false, cut_short: true, ..choice };
         let text = sentence(Goal::Error(0.001), &broken, "measured now in 9 frames");
-        assert!(text.contains("below FLIP 0.001") && text.contains("DOES NOT KEEP") && text.ends_with("early (--measure-seconds)"));
+        assert!(
+            text.contains("below FLIP 0.001")
+                && text.contains("DOES NOT KEEP")
+                && text.ends_with("early (--measure-seconds)")
+        );
     }
 }

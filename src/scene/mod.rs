@@ -13,8 +13,8 @@
 //! A scene far from its origin is re-based ([`Scene::origin`]), so that positions relative to the camera stay exact (T29).
 
 pub mod builtin;
-pub mod hard_case;
 mod digest;
+pub mod hard_case;
 mod normals;
 mod statistics;
 

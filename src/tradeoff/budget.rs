@@ -384,7 +384,11 @@ impl Chooser<'_> {
             let at = self.enter(at_density(technique, next));
             let Some(error) = self.error(at)? else { break };
             tried.push(at);
-            if error <= limit { high = next } else { low = next + 1 }
+            if error <= limit {
+                high = next
+            } else {
+                low = next + 1
+            }
             next = (low + high) / 2;
         }
         // Only what suffices need be timed; without any, what comes closest is chosen by its error.
@@ -442,7 +446,8 @@ impl Chooser<'_> {
                 )
             }
             (Goal::Error(_), false) => {
-                let faster = others.iter().filter(|c| time(c) < time(chosen)).min_by(|a, b| flip(a).total_cmp(&flip(b)));
+                let faster =
+                    others.iter().filter(|c| time(c) < time(chosen)).min_by(|a, b| flip(a).total_cmp(&flip(b)));
                 faster.map_or_else(
                     || "nothing faster was found".to_owned(),
                     |c| format!("'{}', {:.1} ms, has FLIP {:.4}", name(c.at), c.time.median, c.flip),

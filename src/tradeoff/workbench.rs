@@ -48,8 +48,8 @@ pub struct Layers {
 pub struct Wanted {
     /// The layers, where the frame has one band and one sample.
     pub layers: bool,
-    /// Times of the passes by [`Timing::Serial`], which makes the frame as a whole slower.
-    pub serial_times: bool,
+    /// Times of the passes ([`AdapterFacts::pass_timing`]). Where each is run alone, the frame as a whole is slower.
+    pub pass_times: bool,
 }
 
 /// Draws one scene from one camera.
@@ -90,7 +90,7 @@ impl RendererBench {
 impl Workbench for RendererBench {
     fn draw(&mut self, lane: Lane, settings: &Settings, size: [u32; 2], wanted: Wanted) -> Result<Drawn, RenderError> {
         let (renderer, scene) = &mut self.lanes[usize::from(lane == Lane::Candidate)];
-        renderer.timing = if wanted.serial_times { Timing::Serial } else { Timing::Timestamps };
+        renderer.timing = if wanted.pass_times { renderer.gpu().facts().pass_timing() } else { Timing::Timestamps };
         let frame = renderer.render(scene, &self.camera, settings, size)?;
         let report = frame.report;
         let plan = &report.plan;
