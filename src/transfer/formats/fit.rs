@@ -4,7 +4,6 @@
 //! lies close enough at seven places; a jump becomes two points 1e-9 apart.
 
 use super::super::points::{Interpolation, interpolate};
-use super::super::raster::span;
 use crate::transfer::{
     ColorFunction, ColorPoint, ColorShape, ColorValue, OpacityCurve, OpacityFunction, OpacityPoint, OpacityShape,
     Points, TABLE_SIZE, TransferFunction,
@@ -189,46 +188,66 @@ impl TransferFunction {
     ///
     /// An image that has not been loaded becomes what it samples as: neutral, and clear.
     pub fn without_images(&self) -> (TransferFunction, f64) {
-        let (mut function, mut error) = (self.clone(), 0.0_f64);
+        let mut function = self.clone();
+        let (line, last) = (Interpolation::Linear, (TABLE_SIZE - 1) as f64);
         if let ColorShape::Strip(_) = self.color.shape {
-            let fine = color(&self.color);
-            let mut fit = Fit::new();
-            fit.push(-1.0, fine.sample(-1.0));
-            fit.follow(|x| fine.sample(x), [-1.0, 1.0], TOLERANCE_OF_IMAGES, 2.0 / TABLE_SIZE as f64);
-            error = error.max(fit.error);
-            if let Some(points) = color_points(&fit) {
-                function.color.shape = ColorShape::Points { interpolation: Interpolation::Linear, points };
+            let table: Vec<[f64; 3]> =
+                (0..TABLE_SIZE).map(|i| self.color.sample(2.0 * i as f64 / last - 1.0)).collect();
+            let knots = corners(&table, TOLERANCE_OF_IMAGES);
+            let points = knots.iter().map(|&i| (2.0 * i as f64 / last - 1.0, table[i])).collect();
+            if let Some(points) = color_points(&Fit { points, error: 0.0 }) {
+                function.color.shape = ColorShape::Points { interpolation: line, points };
             }
         }
         if let OpacityShape::Image(_) = self.opacity.shape {
-            let last = (TABLE_SIZE - 1) as f64;
-            let column = |depth: f64| -> [f64; TABLE_SIZE] {
-                std::array::from_fn(|y| self.opacity.sample(depth, y as f64 / last))
-            };
-            let mut columns = Fit::new();
-            columns.push(0.0, column(0.0));
-            columns.follow(column, [0.0, 1.0], TOLERANCE_OF_IMAGES / 2.0, 1.0 / last);
-            let mut worst = 0.0_f64;
-            let curves = columns.points.iter().filter_map(|(depth, values)| {
-                let along = |kappa: f64| {
-                    let (a, b, t) = span(kappa, TABLE_SIZE);
-                    [values[a] + (values[b] - values[a]) * t]
-                };
-                let mut fit = Fit::new();
-                fit.push(0.0, along(0.0));
-                fit.follow(along, [0.0, 1.0], TOLERANCE_OF_IMAGES / 2.0, 1.0 / last);
-                worst = worst.max(fit.error);
-                Some(OpacityCurve { depth: *depth, points: opacity_points(&fit)? })
+            let table = self.opacity.bake();
+            let columns: Vec<[f64; TABLE_SIZE]> =
+                (0..TABLE_SIZE).map(|x| std::array::from_fn(|y| f64::from(table[y * TABLE_SIZE + x]))).collect();
+            // Half of the error for the choice of columns, half for the points on each.
+            let curves = corners(&columns, TOLERANCE_OF_IMAGES / 2.0).into_iter().filter_map(|x| {
+                let values = columns[x].map(|v| [v]);
+                let knots = corners(&values, TOLERANCE_OF_IMAGES / 2.0);
+                let points = knots.iter().map(|&y| (y as f64 / last, values[y])).collect();
+                Some(OpacityCurve { depth: x as f64 / last, points: opacity_points(&Fit { points, error: 0.0 })? })
             });
             if let Ok(curves) = Points::new(curves.collect()) {
-                let line = Interpolation::Linear;
-                let shape = OpacityShape::Curves { interpolation: line, depth_interpolation: line, curves };
-                function.opacity.shape = shape;
-                error = error.max(worst + columns.error);
+                function.opacity.shape =
+                    OpacityShape::Curves { interpolation: line, depth_interpolation: line, curves };
             }
         }
-        (function, error)
+        if function == *self {
+            return (function, 0.0);
+        }
+        let (before, after) = (self.bake(), function.bake());
+        let colors = before.color.iter().flatten().zip(after.color.iter().flatten());
+        let all = colors.chain(before.opacity.iter().zip(&after.opacity));
+        let error = all.fold(0.0_f32, |worst, (a, b)| worst.max((a - b).abs()));
+        (function, f64::from(error))
     }
+}
+
+/// Which entries of a table to keep so that lines between them are within `tolerance` of all: the ends, and between two
+/// that are kept the one farthest off, until none is (Ramer, Douglas, Peucker).
+fn corners<const N: usize>(table: &[[f64; N]], tolerance: f64) -> Vec<usize> {
+    let Some(last) = table.len().checked_sub(1) else {
+        return Vec::new();
+    };
+    let (mut kept, mut open) = (vec![0], vec![(0, last)]);
+    while let Some((a, b)) = open.pop() {
+        let off = |i: usize| {
+            let t = (i - a) as f64 / (b - a) as f64;
+            (0..N).fold(0.0_f64, |worst, c| {
+                worst.max((table[a][c] + (table[b][c] - table[a][c]) * t - table[i][c]).abs())
+            })
+        };
+        let farthest = (a + 1..b).map(|i| (i, off(i))).max_by(|x, y| x.1.total_cmp(&y.1));
+        match farthest {
+            Some((i, distance)) if distance > tolerance => open.extend([(i, b), (a, i)]),
+            _ if b > a => kept.push(b),
+            _ => {}
+        }
+    }
+    kept
 }
 
 /// The lines' points as control points, clamped to [0, 1]. `None` if there are none, or they are not over κ.

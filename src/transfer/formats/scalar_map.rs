@@ -326,7 +326,7 @@ fn sharpened(a: f64, b: f64, t: f64, midpoint: f64, sharpness: f64) -> f64 {
 }
 
 /// The colour at `t` between two.
-fn between(space: Space, start: [f64; 3], end: [f64; 3], t: f64) -> [f64; 3] {
+pub(super) fn between(space: Space, start: [f64; 3], end: [f64; 3], t: f64) -> [f64; 3] {
     let mix = |a: [f64; 3], b: [f64; 3]| std::array::from_fn(|i| a[i] + (b[i] - a[i]) * t);
     match space {
         Space::Rgb => mix(start, end),
