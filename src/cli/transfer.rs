@@ -124,7 +124,10 @@ fn describe(source: &str, function: &TransferFunction) -> String {
             let curves = curves.as_slice();
             let counts = curves.iter().map(|c| c.points.as_slice().len()).sum::<usize>();
             let (along, between) = (word(*interpolation), word(*depth_interpolation));
-            let _ = writeln!(text, "  {counts} points on {} curves, {along}; {between} between curves", curves.len());
+            let _ = match curves.len() {
+                1 => writeln!(text, "  {counts} points, {along}"),
+                n => writeln!(text, "  {counts} points on {n} curves, {along}; {between} between curves"),
+            };
         }
         OpacityShape::Image(raster) => {
             let _ = writeln!(text, "  image {}", raster.path());

@@ -11,8 +11,8 @@ use crate::transfer::{
 
 /// How far a straight piece may be from a computed curve: an eighth of an 8-bit step.
 pub(super) const TOLERANCE: f64 = 5e-4;
-/// How far it may be from an image: half an 8-bit step, which is what an image is rounded to.
-const TOLERANCE_OF_IMAGES: f64 = 1.0 / 510.0;
+/// How far it may be from an image: an 8-bit step. Closer, and it follows the steps themselves.
+const TOLERANCE_OF_IMAGES: f64 = 1.0 / 255.0;
 /// Width of a piece that stands for a jump, in the units of its axis.
 const JUMP: f64 = 1e-9;
 /// Pieces narrower than this fraction of the range are not halved.
@@ -183,8 +183,8 @@ pub(super) fn opacity(function: &OpacityFunction, depth: f64) -> Fit<1> {
 
 impl TransferFunction {
     /// The same functions with control points in place of images, and the largest error that this makes in the baked
-    /// tables: at most 1/510, half of a step of 8 bits. What has no image stays as it is. For editing, and for files
-    /// that stand alone.
+    /// tables: at most 1/255 for a strip and 2/255 for a map, which are steps of 8 bits. What has no image stays as it
+    /// is. For editing, and for files that stand alone.
     ///
     /// An image that has not been loaded becomes what it samples as: neutral, and clear.
     pub fn without_images(&self) -> (TransferFunction, f64) {
@@ -203,10 +203,10 @@ impl TransferFunction {
             let table = self.opacity.bake();
             let columns: Vec<[f64; TABLE_SIZE]> =
                 (0..TABLE_SIZE).map(|x| std::array::from_fn(|y| f64::from(table[y * TABLE_SIZE + x]))).collect();
-            // Half of the error for the choice of columns, half for the points on each.
-            let curves = corners(&columns, TOLERANCE_OF_IMAGES / 2.0).into_iter().filter_map(|x| {
+            // One step for the choice of columns, one for the points on each.
+            let curves = corners(&columns, TOLERANCE_OF_IMAGES).into_iter().filter_map(|x| {
                 let values = columns[x].map(|v| [v]);
-                let knots = corners(&values, TOLERANCE_OF_IMAGES / 2.0);
+                let knots = corners(&values, TOLERANCE_OF_IMAGES);
                 let points = knots.iter().map(|&y| (y as f64 / last, values[y])).collect();
                 Some(OpacityCurve { depth: x as f64 / last, points: opacity_points(&Fit { points, error: 0.0 })? })
             });

@@ -2,7 +2,7 @@
 //!
 //! | format | holds | on the way in | on the way out |
 //! |---|---|---|---|
-//! | TOML | everything | as it is | as it is; images become points (error at most 1/510) |
+//! | TOML | everything | as it is | as it is; images become points (within 1/255, maps 2/255) |
 //! | PNG | colours, or opacities | a strip (at least four times as wide as high): its first row, κ from left to right; any other: depth to the right, \|κ\| upwards | 16 bits, 256×1 or, for `….opacity.png`, 256×256 |
 //! | ParaView JSON, XML | colours, opacity over \|κ\| | ranges mapped onto κ in [−1, 1] and \|κ\| in [0, 1] | straight pieces |
 //! | Slicer `.vp` | colours, opacity over \|κ\| | the same; lighting and gradient opacity are left out | straight pieces |
@@ -126,11 +126,12 @@ impl Format {
         let text = std::str::from_utf8(bytes).ok()?.trim_start_matches('\u{feff}').trim_start();
         let mut lines = text.lines().map(str::trim).filter(|l| !l.is_empty() && !l.starts_with('#'));
         let first = lines.next()?;
-        let after_bracket = first.strip_prefix('[').map(str::trim_start);
+        let after_bracket = first.strip_prefix('[').map(|r| r.trim_start_matches(['[', ' ', '\t']));
+        let array = |rest: &str| rest.is_empty() || rest.starts_with(|c: char| "{]\"-0123456789".contains(c));
         let number = |l: &str| l.split_whitespace().all(|w| w.parse::<f64>().is_ok());
         if first.starts_with('<') {
             Some(Format::ParaviewXml)
-        } else if first.starts_with('{') || after_bracket.is_some_and(|r| r.is_empty() || r.starts_with(['{', ']'])) {
+        } else if first.starts_with('{') || after_bracket.is_some_and(array) {
             Some(Format::ParaviewJson)
         } else if after_bracket.is_some() || first.contains('=') {
             Some(Format::Toml)

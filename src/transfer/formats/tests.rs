@@ -174,6 +174,7 @@ fn a_broken_file_names_itself_the_line_and_the_cause() {
         (&*JSON.replace("10, 1, 0, 0 ]", "10, 1, 0 ]"), "m.json", "m.json:4:", "no whole groups of 4"),
         (&JSON.replace("\"HSV\"", "\"CMYK\""), "m.json", "m.json:7:", "'CMYK'"),
         (&JSON.replace("{ \"Name\" : \"Bands\",", "{ \"Name\" "), "m.json", "m.json:8:", "expected"),
+        ("[1, 2]", "m.json", "m.json:1:", "invalid type"),
         ("[]", "m.json", "m.json:1:", "no colour map"),
         ("[{\"Name\": \"x\"}]", "m.json", "m.json:1:", "neither colour nor opacity"),
         (&JSON.replace("0.9, 0.5, 0 ]", "1e999, 0.5, 0 ]"), "m.json", "m.json:5:", "number out of range"),
@@ -244,7 +245,7 @@ fn round_trips_keep_what_the_format_holds() {
                 assert!(notices.is_empty(), "{path}: {notices:?}");
                 continue;
             }
-            let by = if images { 1.0 / 255.0 } else { ROUND_TRIP };
+            let by = if images { 2.0 / 255.0 } else { ROUND_TRIP };
             if format != Format::PngMap {
                 let worst = (0..=2000).fold(0.0_f64, |worst, i| {
                     // Off the places where steps may lie.
@@ -276,7 +277,7 @@ fn round_trips_keep_what_the_format_holds() {
 }
 
 #[test]
-fn images_become_points_within_half_a_step() {
+fn images_become_points_within_two_steps() {
     // A picture of noise has no straight pieces; it comes back whole.
     let mut noise = preset("murray-6a-7b");
     let folder = tempfile::tempdir().unwrap();
@@ -287,13 +288,17 @@ fn images_become_points_within_half_a_step() {
     noise.opacity = TransferSource::Named(path).resolve(None).unwrap().opacity;
     for (name, f) in [("noise", noise), ("6a-7b", preset("murray-6a-7b"))] {
         let (points, error) = f.without_images();
-        assert!(error > 0.0 && error <= 1.0 / 510.0 + 1e-6, "{name}: {error}");
+        assert!(error > 0.0 && error <= 2.0 / 255.0 + 1e-6, "{name}: {error}");
         let (a, b) = (f.bake(), points.bake());
         let color = a.color.iter().flatten().zip(b.color.iter().flatten());
         let worst = color.chain(a.opacity.iter().zip(&b.opacity)).fold(0.0_f32, |m, (a, b)| m.max((a - b).abs()));
-        assert!(f64::from(worst) <= 1.0 / 510.0 + 1e-6, "{name}: {worst}");
+        assert!(f64::from(worst) <= error, "{name}: {worst}");
         assert!(matches!(points.color.shape, ColorShape::Points { .. }));
         assert_eq!(points.without_images(), (points.clone(), 0.0));
+        // Few enough to be edited, where the image is smooth.
+        let OpacityShape::Curves { curves, .. } = &points.opacity.shape else { panic!("{name}") };
+        let count = curves.as_slice().iter().map(|c| c.points.as_slice().len()).sum::<usize>();
+        assert!(name == "noise" || count < 1000, "{name}: {count} points");
     }
 }
 
