@@ -6,7 +6,7 @@
 //! | PNG | colours, or opacities | a strip (at least four times as wide as high): its first row, κ from left to right; any other: depth to the right, \|κ\| upwards | 16 bits, 256×1 or, for `….opacity.png`, 256×256 |
 //! | ParaView JSON, XML | colours, opacity over \|κ\| | ranges mapped onto κ in [−1, 1] and \|κ\| in [0, 1] | straight pieces |
 //! | Slicer `.vp` | colours, opacity over \|κ\| | the same; lighting and gradient opacity are left out | straight pieces |
-//! | CSV | everything but images | as it is ([`csv`]) | as it is; images become points |
+//! | CSV | everything but images | as it is (three tables, described in `csv.rs`) | as it is; images become points |
 //!
 //! Straight pieces are within 5e-4 of the function. What a file does not say (a colour map without opacity) is taken
 //! from the default functions. Whatever is mapped, approximated, repaired or left out is a notice; one begins with
