@@ -16,6 +16,7 @@ mod options;
 mod output;
 mod render;
 mod tradeoff;
+mod transfer;
 
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
@@ -31,7 +32,7 @@ use crate::scene::builtin;
 use crate::settings::{OpacityModel, Settings};
 use crate::tradeoff::budget::{Choice, Goal};
 use crate::tradeoff::image_error::resized;
-use crate::transfer::{self, OpacityFunction, TransferSource};
+use crate::transfer::{OpacityFunction, TransferSource, presets as transfer_presets};
 pub use failure::{Exit, Failure};
 use options::{Cli, Command, PlanArgs, RenderArgs, ViewArgs};
 use output::Progress;
@@ -102,6 +103,7 @@ fn run(command: Command) -> Result<(), Failure> {
         Command::Adapters { json } => render::adapters(json),
         Command::Settings { toml } => output::print(settings(toml)?.as_bytes()),
         Command::Presets => output::print(presets().as_bytes()),
+        Command::Transfer(args) => transfer::run(&args),
         Command::Scenes => output::print(scenes().as_bytes()),
         Command::Assets { folder } => load::write_assets(&folder),
         Command::HardCases(args) => hard_cases::run(&args),
@@ -291,7 +293,7 @@ fn settings(as_toml: bool) -> Result<String, Failure> {
 
 fn presets() -> String {
     let looks = looks::LOOKS.iter().map(|l| (l.name, l.description));
-    let functions = transfer::presets().into_iter().map(|p| (p.name, p.description));
+    let functions = transfer_presets().into_iter().map(|p| (p.name, p.description));
     looks.chain(functions).map(|(name, what)| format!("{name:14} {what}\n")).collect()
 }
 

@@ -11,6 +11,7 @@ use super::camera::CameraArgs;
 use super::hard_cases::HardCasesArgs;
 use super::looks::LookArgs;
 use super::tradeoff::TradeoffArgs;
+use super::transfer::TransferArgs;
 
 /// Shows the inside of 3D models without losing their shape.
 #[derive(Parser, Clone, Debug)]
@@ -54,6 +55,8 @@ pub enum Command {
     },
     /// List the looks for --preset and --transfer
     Presets,
+    /// Describe a transfer function, or write it in another format
+    Transfer(TransferArgs),
     /// List the built-in scenes
     Scenes,
     /// Write the built-in scenes as GLB files
@@ -221,6 +224,8 @@ mod tests {
             "bench frame a.glb --k 16",
             "tradeoff a.glb -o d --axes k,key --limit-seconds 5 --k 8 --camera front",
             "tradeoff a.glb --check limits.toml",
+            "transfer pellucid",
+            "transfer maps.json --name Hot -o hot.toml",
         ] {
             parse(line).unwrap_or_else(|e| panic!("{line}: {e}"));
         }
