@@ -90,14 +90,9 @@ impl Key {
         }
     }
 
-    /// The same key as it comes out of a file.
-    fn text(&self) -> String {
-        serde_json::to_string(self).unwrap_or_default()
-    }
-
     fn file_name(&self) -> String {
         let mut hasher = DefaultHasher::new();
-        hasher.write(self.text().as_bytes());
+        hasher.write(serde_json::to_string(self).unwrap_or_default().as_bytes());
         format!("{:016x}.json", hasher.finish())
     }
 }
@@ -106,7 +101,7 @@ impl Key {
 #[derive(Serialize, Deserialize)]
 struct Kept {
     /// Of what.
-    key: serde_json::Value,
+    key: Key,
     measurements: Measurements,
 }
 
@@ -117,15 +112,13 @@ fn cache_folder() -> Option<PathBuf> {
 
 fn read(path: &Path, key: &Key) -> Option<Measurements> {
     let kept: Kept = serde_json::from_slice(&std::fs::read(path).ok()?).ok()?;
-    (kept.key.to_string() == serde_json::from_str::<serde_json::Value>(&key.text()).ok()?.to_string())
-        .then_some(kept.measurements)
+    (kept.key == *key).then_some(kept.measurements)
 }
 
 fn write(path: &Path, key: &Key, measurements: Measurements) -> Result<(), Failure> {
     let folder = path.parent().unwrap_or(Path::new("."));
     std::fs::create_dir_all(folder).map_err(|e| Failure::about(Exit::General, folder.display(), &e))?;
-    let key = serde_json::from_str(&key.text()).map_err(|e| Failure::of(Exit::General, &e))?;
-    output::write(path, output::json(&Kept { key, measurements })?.as_bytes())
+    output::write(path, output::json(&Kept { key: key.clone(), measurements })?.as_bytes())
 }
 
 /// Settings for a promise, and what to tell of them.
@@ -161,10 +154,7 @@ pub fn chosen(
         count += 1;
         progress.stage(&format!("measuring, frame {count}: {name}"));
     })
-    .map_err(|e| match e {
-        BudgetError::Render(e) => super::render::failed(e),
-        e => Failure::of(Exit::General, &e),
-    })?;
+    .map_err(failed)?;
     let fresh = known.as_ref() != Some(&measurements);
     if let Some(path) = path.as_ref().filter(|_| fresh) {
         // A picture is worth more than a cache.
@@ -181,12 +171,25 @@ pub fn chosen(
     Ok(Chosen { choice, sentence })
 }
 
+/// The failure that an error of a choice is.
+pub fn failed(error: BudgetError) -> Failure {
+    match error {
+        BudgetError::Render(e) => super::render::failed(e),
+        e => Failure::of(Exit::General, &e),
+    }
+}
+
+/// What is promised, in words.
+pub fn promise(goal: Goal) -> String {
+    match goal {
+        Goal::Time(limit) => format!("within {} ms", (limit * 1000.0).round() / 1000.0),
+        Goal::Error(limit) => format!("below FLIP {limit}"),
+    }
+}
+
 fn sentence(goal: Goal, choice: &Choice, source: &str) -> String {
     let Choice { name, flip, time, compared, reason, kept, cut_short, .. } = choice;
-    let promise = match goal {
-        Goal::Time(limit) => format!("within {limit} ms"),
-        Goal::Error(limit) => format!("below FLIP {limit}"),
-    };
+    let promise = promise(goal);
     let verdict = if *kept { String::new() } else { ", WHICH DOES NOT KEEP THE PROMISE".to_owned() };
     let short = if *cut_short { "; the time for measuring ended early (--measure-seconds)" } else { "" };
     format!(
@@ -280,6 +283,7 @@ mod tests {
             scale: 0.5,
             flip: 0.021,
             time: crate::tradeoff::statistics::Estimate { median: 28.0, low: 27.0, high: 30.04, count: 7 },
+            asked: 90.0,
             kept: true,
             compared: 23,
             cut_short: false,

@@ -118,6 +118,8 @@ pub struct Choice {
     pub flip: f64,
     /// Time of a frame, milliseconds.
     pub time: Estimate,
+    /// First impression of the time of what was asked for, with one sample, milliseconds.
+    pub asked: f64,
     /// Whether the promise holds.
     pub kept: bool,
     /// Candidates that were compared.
@@ -244,11 +246,10 @@ impl Chooser<'_> {
         let size = self.drawn_size(at);
         let settings = self.measured.entries[at].settings.clone();
         (self.progress)(&self.measured.entries[at].name.clone());
-        let begin = Instant::now();
         match self.bench.draw(Lane::Candidate, &settings, size, Wanted::default()) {
             Ok(drawn) => {
                 self.warm = Some(at);
-                Some((begin.elapsed().as_secs_f64() * 1e3, drawn.image))
+                Some((drawn.milliseconds, drawn.image))
             }
             Err(e) => {
                 self.measured.entries[at].refused = Some(e.to_string());
@@ -463,11 +464,54 @@ impl Chooser<'_> {
             scale: entry.scale,
             flip: chosen.flip,
             time: chosen.time,
+            asked: self.impression(0).map_or(f64::NAN, |t| t.median),
             kept: !kept.is_empty(),
             compared: found.len(),
             cut_short: self.cut_short,
             reason,
         })
+    }
+}
+
+/// What a choice is worth when it is measured again.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Afresh {
+    /// Mean FLIP.
+    pub flip: f64,
+    /// Time of a frame, milliseconds.
+    pub time: Estimate,
+}
+
+/// Measures a choice again, with nothing known: the error against a reference drawn anew, the time over as many frames as the
+/// promise had.
+///
+/// # Errors
+/// [`BudgetError`] if it cannot be drawn.
+pub fn afresh(
+    bench: &mut dyn Workbench,
+    base: &Settings,
+    choice: &Choice,
+    options: &Options,
+) -> Result<Afresh, BudgetError> {
+    let Choice { name, settings, scale, .. } = choice.clone();
+    let entry = Entry { name, settings, scale, error: None, frames: Vec::new(), refused: None };
+    let mut measured = Measurements { entries: vec![entry] };
+    let mut chooser = Chooser {
+        bench,
+        options,
+        base,
+        reference: None,
+        measured: &mut measured,
+        warm: None,
+        end: Instant::now() + options.limit,
+        cut_short: false,
+        progress: &mut |_| {},
+    };
+    let flip = chooser.error(0)?;
+    let time = chooser.time(0, PROMISED_FRAMES, f64::INFINITY);
+    match (flip, time) {
+        (Some(flip), Some(time)) => Ok(Afresh { flip, time }),
+        _ => Err(chooser.nothing_drawn()),
     }
 }
 

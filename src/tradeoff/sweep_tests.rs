@@ -30,6 +30,7 @@ impl Workbench for StandIn {
         let shade = PassTime { pass: Pass::Shade, milliseconds: if worse { 13.0 } else { 1.0 } };
         Ok(Drawn {
             image,
+            milliseconds: if worse { 22.0 } else { 2.0 },
             passes: if wanted.pass_times { vec![shade] } else { Vec::new() },
             counts: LayerCounts::default(),
             buffer_bytes: 0,

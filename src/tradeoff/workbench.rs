@@ -24,6 +24,8 @@ pub enum Lane {
 pub struct Drawn {
     /// The picture.
     pub image: LinearImage,
+    /// Wall time of the frame, milliseconds.
+    pub milliseconds: f64,
     /// Times of the passes.
     pub passes: Vec<PassTime>,
     /// What the capture counted.
@@ -103,6 +105,7 @@ impl Workbench for RendererBench {
         };
         Ok(Drawn {
             image: frame.image,
+            milliseconds: report.milliseconds,
             passes: report.passes,
             counts: report.layers,
             buffer_bytes: report.buffer_bytes,
