@@ -153,6 +153,7 @@ struct Chooser<'a> {
     bench: &'a mut dyn Workbench,
     options: &'a Options,
     base: &'a Settings,
+    reference_settings: Settings,
     reference: Option<LinearImage>,
     measured: &'a mut Measurements,
     /// The candidate whose buffers are ready.
@@ -174,17 +175,7 @@ pub fn choose(
     measured: &mut Measurements,
     progress: &mut dyn FnMut(&str),
 ) -> Result<Choice, BudgetError> {
-    let mut chooser = Chooser {
-        bench,
-        options,
-        base,
-        reference: None,
-        measured,
-        warm: None,
-        end: Instant::now() + options.limit,
-        cut_short: false,
-        progress,
-    };
+    let mut chooser = Chooser::new(bench, base, options, measured, progress)?;
     for technique in chooser.techniques()? {
         match goal {
             Goal::Time(limit) => chooser.densest_within(&technique, limit)?,
@@ -235,7 +226,31 @@ fn relative_density(density: usize) -> f64 {
     scale * scale * f64::from(samples)
 }
 
-impl Chooser<'_> {
+impl<'a> Chooser<'a> {
+    fn new(
+        bench: &'a mut dyn Workbench,
+        base: &'a Settings,
+        options: &'a Options,
+        measured: &'a mut Measurements,
+        progress: &'a mut dyn FnMut(&str),
+    ) -> Result<Chooser<'a>, BudgetError> {
+        let mut reference_settings = reference::supersampled(base, &axis::all()).map_err(AxisError::from)?;
+        let most = DENSITIES.iter().map(|d| d.1).fold(1, u32::max);
+        reference_settings.image.samples = reference_settings.image.samples.max(2 * most);
+        Ok(Chooser {
+            bench,
+            options,
+            base,
+            reference_settings,
+            reference: None,
+            measured,
+            warm: None,
+            end: Instant::now() + options.limit,
+            cut_short: false,
+            progress,
+        })
+    }
+
     /// The place of a candidate in the measurements.
     fn enter(&mut self, entry: Entry) -> usize {
         let same = |e: &Entry| e.settings == entry.settings && e.scale == entry.scale;
@@ -294,18 +309,19 @@ impl Chooser<'_> {
             Some(reference) => reference,
             None => {
                 (self.progress)("reference");
-                let mut settings = reference::supersampled(self.base, &axis::all()).unwrap_or_default();
-                let most = DENSITIES.iter().map(|d| d.1).fold(1, u32::max);
-                settings.image.samples = settings.image.samples.max(2 * most);
                 self.warm = None;
-                self.bench.draw(Lane::Baseline, &settings, self.options.size, Wanted::default())?.image
+                self.bench.draw(Lane::Baseline, &self.reference_settings, self.options.size, Wanted::default())?.image
             }
         };
         let image = image_error::resized(&image, self.options.size);
-        let error = image_error::compare(&image, &reference, self.options.background).ok().map(|map| map.error);
+        let compared = image_error::compare(&image, &reference, self.options.background);
         self.reference = Some(reference);
-        self.measured.entries[at].error = error;
-        Ok(error.map(|e| e.flip_mean))
+        let entry = &mut self.measured.entries[at];
+        match compared {
+            Ok(map) => entry.error = Some(map.error),
+            Err(sizes) => entry.refused = Some(sizes.to_string()),
+        }
+        Ok(entry.error.map(|e| e.flip_mean))
     }
 
     /// Time of a candidate from at least so many frames; fewer, if a frame takes longer than `hopeless` milliseconds.
@@ -507,17 +523,8 @@ pub fn afresh(
     let Choice { name, settings, scale, .. } = choice.clone();
     let entry = Entry { name, settings, scale, error: None, frames: Vec::new(), refused: None };
     let mut measured = Measurements { entries: vec![entry] };
-    let mut chooser = Chooser {
-        bench,
-        options,
-        base,
-        reference: None,
-        measured: &mut measured,
-        warm: None,
-        end: Instant::now() + options.limit,
-        cut_short: false,
-        progress: &mut |_| {},
-    };
+    let mut silent = |_: &str| {};
+    let mut chooser = Chooser::new(bench, base, options, &mut measured, &mut silent)?;
     let flip = chooser.error(0)?;
     let time = chooser.time(0, PROMISED_FRAMES, f64::INFINITY);
     match (flip, time) {
