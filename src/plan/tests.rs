@@ -442,7 +442,7 @@ proptest! {
         check_bands(&plan);
         // Textures are no bindings; everything else is. A compacted store's columns are cut to what was counted.
         for buffer in &plan.buffers {
-            let texture = ["image", "sums", "opaque_colors", "opaque_depth"].contains(&buffer.name);
+            let texture = ["image", "sums", "opaque_colors", "opaque_depth", "outline_mask"].contains(&buffer.name);
             prop_assert!(texture || buffer.bytes <= capabilities.max_binding.min(capabilities.max_buffer), "{buffer:?}");
         }
         if plan.capture == Capture::Compacted {

@@ -1,6 +1,7 @@
 //! Scene and settings in, image out: the one renderer behind the command line, the window, the tests and the benchmarks.
 
 mod frame;
+mod pick;
 mod readback;
 
 use serde::Serialize;
@@ -14,6 +15,7 @@ use crate::scene::{Arrangement, ArrangementError, Presence, Scene};
 use crate::settings::{OpacityModel, Settings};
 use crate::transfer::{TransferError, TransferFunction};
 
+pub use pick::PickedLayer;
 pub use readback::{PixelBuckets, StoreReadback};
 
 /// Why a picture was not drawn.
@@ -28,6 +30,12 @@ pub enum RenderError {
     /// The transfer functions could not be read.
     #[error(transparent)]
     Transfer(#[from] TransferError),
+    /// The colour of the outline is none.
+    #[error("outline.color = '{color}': expected the form #rrggbb")]
+    OutlineColor {
+        /// What it says.
+        color: String,
+    },
     /// The arrangement does not fit the scene.
     #[error(transparent)]
     Arrangement(#[from] ArrangementError),
@@ -108,6 +116,7 @@ pub struct Renderer {
     /// How passes are timed.
     pub timing: Timing,
     targets: Option<frame::Targets>,
+    picking: pick::Picking,
 }
 
 impl Renderer {
@@ -125,6 +134,7 @@ impl Renderer {
             draw_order: DrawOrder::default(),
             timing: Timing::default(),
             targets: None,
+            picking: pick::Picking::default(),
         })
     }
 
