@@ -3,6 +3,7 @@
 mod frame;
 mod pick;
 mod readback;
+mod targets;
 
 use serde::Serialize;
 
@@ -115,7 +116,7 @@ pub struct Renderer {
     pub draw_order: DrawOrder,
     /// How passes are timed.
     pub timing: Timing,
-    targets: Option<frame::Targets>,
+    targets: Option<targets::Targets>,
     picking: pick::Picking,
 }
 

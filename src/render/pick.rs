@@ -10,7 +10,7 @@ use std::sync::Arc;
 use glam::{DVec2, DVec3, Vec3};
 
 use super::frame::{self, Tally, View, Work};
-use super::{GpuScene, RenderError, Renderer};
+use super::{GpuScene, RenderError, Renderer, targets};
 use crate::gpu::{GpuError, Resources};
 use crate::math::Camera;
 use crate::oracle;
@@ -112,7 +112,11 @@ impl Renderer {
             Some(blank) => blank.clone(),
             None => {
                 let kept = self.picking.blank.take().filter(|(size, _)| *size == plan.size);
-                self.picking.blank.insert(kept.unwrap_or_else(|| (plan.size, frame::blank(&gpu, plan.size)))).1.clone()
+                self.picking
+                    .blank
+                    .insert(kept.unwrap_or_else(|| (plan.size, targets::blank(&gpu, plan.size))))
+                    .1
+                    .clone()
             }
         };
         frame::bind_settings(self, scene, settings, transfer, plan)?;
