@@ -297,6 +297,29 @@ fn picking_goes_through_opaque_pictures_and_samples() {
     assert!(found.iter().all(|l| l.opacity == 1.0 && l.kappa.is_finite()));
 }
 
+#[test]
+fn picking_is_the_same_where_pictures_take_bands() {
+    let scene = builtin::build("gearbox").expect("a scene");
+    let arrangement = lively_arrangement(&scene);
+    let (camera, size) = (front(&scene, false), [200, 160]);
+    let pixels = [[100, 80], [0, 0], [130, 60], [100, 159], [70, 100]];
+    let mut picked = Vec::new();
+    for (r, what) in [(renderer(), "whole"), (small_renderer(), "in bands")] {
+        let Some(mut r) = r else { return };
+        let loaded = load(&mut r, &scene, &arrangement);
+        let settings = Settings::default();
+        let bands = r.render(&loaded, &camera, &settings, size).expect("a frame").report.bands;
+        assert_eq!(bands > 1, what == "in bands");
+        let begin = std::time::Instant::now();
+        let pick = |pixel| r.pick(&loaded, &camera, &settings, size, pixel).expect("layers");
+        picked.push(pixels.map(pick));
+        let each = begin.elapsed().as_secs_f64() * 1e3 / pixels.len() as f64;
+        println!("{what}: {each:.1} ms for each of {} pixels", pixels.len());
+    }
+    assert!(picked[0].iter().any(|layers| layers.len() > 5));
+    assert_eq!(picked[0], picked[1]);
+}
+
 /// By definition: outside, with a pixel of the mask at most `width` away.
 fn outlined(mask: &[bool], size: [u32; 2], width: f64) -> Vec<bool> {
     let [w, h] = size.map(|s| s as i32);
