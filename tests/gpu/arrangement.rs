@@ -10,7 +10,7 @@ use pellucid::oracle::stylize::Tables;
 use pellucid::oracle::{compare, composite, rasterize, stylize};
 use pellucid::plan::{Capture, Opacity, Pass};
 use pellucid::render::{GpuScene, Renderer};
-use pellucid::scene::{Arrangement, PartLook, PartStyle, Presence, Scene, builtin};
+use pellucid::scene::{AlphaMode, Arrangement, PartLook, PartStyle, Presence, Scene, builtin};
 use pellucid::settings::Settings;
 
 use crate::common::*;
@@ -58,9 +58,19 @@ fn lively_arrangement(scene: &Scene) -> Arrangement {
 #[test]
 fn every_stage_of_an_arranged_scene_is_the_oracles() {
     let Some(mut r) = renderer() else { return };
-    for name in ["hard/assembly?seed=3", "hard/assembly?seed=11"] {
+    // Textures, vertex colours and holes are in it too.
+    let colored = |scene: &Scene| {
+        let color = |p: u32| Some([0.1 * f64::from(p % 10), 0.5, 1.0 - 0.1 * f64::from(p % 10)]);
+        with((0..scene.parts.len() as u32).map(|p| (p, PartLook { color: color(p), ..PartLook::default() })))
+    };
+    let cases: [(&str, &dyn Fn(&Scene) -> Arrangement); 3] = [
+        ("hard/assembly?seed=3", &lively_arrangement),
+        ("hard/assembly?seed=11", &lively_arrangement),
+        ("hard/assembly?seed=3", &colored),
+    ];
+    for (name, arrange) in cases {
         let scene = builtin::build(name).expect("a scene");
-        let arrangement = lively_arrangement(&scene);
+        let arrangement = arrange(&scene);
         let moved = arranged(&scene, &arrangement);
         let loaded = load(&mut r, &scene, &arrangement);
         assert_eq!(loaded.stats.bounds, moved.bounds());
@@ -195,7 +205,7 @@ fn the_plan_follows_the_looks() {
     let scene = scene();
     let camera = camera(&scene, false);
     // Of opaque materials only.
-    let glass = scene.materials.iter().position(|m| m.alpha_mode == pellucid::scene::AlphaMode::Blend);
+    let glass = scene.materials.iter().position(|m| m.alpha_mode == AlphaMode::Blend);
     let of_glass = |mesh: usize| scene.meshes[mesh].primitives.iter().any(|p| Some(p.material) == glass);
     let blended = scene.parts.iter().enumerate().filter(|(_, p)| of_glass(p.mesh));
     let hidden: BTreeMap<u32, PartLook> = blended.map(|(i, _)| (i as u32, look(Presence::Hidden))).collect();
@@ -339,7 +349,13 @@ fn the_outline_goes_around_what_is_selected_and_changes_nothing_else() {
     let Some(mut r) = renderer() else { return };
     let scene = scene();
     let camera = front(&scene, false);
-    let selected = BTreeSet::from([2, 3]);
+    // One with holes among them.
+    let has_holes = |mesh: usize| {
+        let materials = scene.meshes[mesh].primitives.iter().map(|p| &scene.materials[p.material]);
+        materials.into_iter().any(|m| matches!(m.alpha_mode, AlphaMode::Mask { .. }))
+    };
+    let masked = scene.parts.iter().position(|p| has_holes(p.mesh)).expect("a part with holes") as u32;
+    let selected = BTreeSet::from([2, masked]);
     let selection = Arrangement { selected: selected.clone(), ..Arrangement::default() };
     let only = |p: u32| if selected.contains(&p) { Presence::Shown } else { Presence::Hidden };
     let alone = with((0..scene.parts.len() as u32).map(|p| (p, look(only(p)))));
