@@ -6,10 +6,12 @@ use clap::{Args, Parser, Subcommand};
 
 use super::ENVIRONMENT;
 use super::bench::BenchCommand;
+use super::budget::BudgetArgs;
 use super::camera::CameraArgs;
 use super::hard_cases::HardCasesArgs;
 use super::looks::LookArgs;
 use super::tradeoff::TradeoffArgs;
+use super::transfer::TransferArgs;
 use super::view::PartArgs;
 
 /// Shows the inside of 3D models without losing their shape.
@@ -54,6 +56,8 @@ pub enum Command {
     },
     /// List the looks for --preset and --transfer
     Presets,
+    /// Describe a transfer function, or write it in another format
+    Transfer(TransferArgs),
     /// List the built-in scenes
     Scenes,
     /// Write the built-in scenes as GLB files
@@ -118,7 +122,7 @@ pub struct RenderArgs {
     #[arg(help_heading = "Output", long, value_name = "FILE")]
     pub stats: Option<PathBuf>,
     /// Write what the options mean as a session for --session; - is standard output
-    #[arg(help_heading = "Output", long, value_name = "FILE")]
+    #[arg(help_heading = "Output", long, value_name = "FILE", conflicts_with_all = ["budget", "max_error"])]
     pub save_session: Option<PathBuf>,
     /// Compare with this PNG, and exit with 5 if the mean difference is above the threshold
     #[arg(help_heading = "Output", long, value_name = "IMAGE")]
@@ -126,6 +130,9 @@ pub struct RenderArgs {
     /// Largest mean difference, in sRGB values from 0 to 1
     #[arg(help_heading = "Output", long, value_name = "T", value_parser = threshold, default_value = "0.002", requires = "reference")]
     pub threshold: f64,
+    /// Settings chosen by a promise.
+    #[command(flatten)]
+    pub budget: BudgetArgs,
 }
 
 /// Options of `plan`.
@@ -233,6 +240,8 @@ mod tests {
             "bench frame a.glb --k 16",
             "tradeoff a.glb -o d --axes k,key --limit-seconds 5 --k 8 --camera front",
             "tradeoff a.glb --check limits.toml",
+            "transfer pellucid",
+            "transfer maps.json --name Hot -o hot.toml",
         ] {
             parse(line).unwrap_or_else(|e| panic!("{line}: {e}"));
         }
