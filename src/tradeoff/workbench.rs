@@ -7,7 +7,7 @@ use crate::math::{Camera, LinearImage};
 use crate::passes::capture::LayerCounts;
 use crate::plan::Capture;
 use crate::render::{GpuScene, RenderError, Renderer, StoreReadback};
-use crate::scene::Scene;
+use crate::scene::{Arrangement, Scene};
 use crate::settings::Settings;
 
 /// Which renderer draws.
@@ -81,6 +81,17 @@ impl RendererBench {
             Ok::<_, RenderError>((renderer, loaded))
         };
         Ok(RendererBench { lanes: [lane()?, lane()?], camera: *camera })
+    }
+
+    /// Shows the parts of the uploaded scene as `arrangement` says.
+    ///
+    /// # Errors
+    /// [`RenderError::Arrangement`] if it does not fit the scene.
+    pub fn arrange(&mut self, scene: &Scene, arrangement: &Arrangement) -> Result<(), RenderError> {
+        for (renderer, loaded) in &mut self.lanes {
+            renderer.arrange(loaded, scene, arrangement)?;
+        }
+        Ok(())
     }
 
     /// The adapter.
