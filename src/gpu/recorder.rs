@@ -86,9 +86,6 @@ impl Recorder {
         let begin = std::time::Instant::now();
         self.gpu.queue.submit([recorded]);
         self.gpu.wait()?;
-        if std::env::var("PSER").is_ok() {
-            println!("  - {} {:.1}", pass.name(), begin.elapsed().as_secs_f64() * 1e3);
-        }
         add_time(&mut self.serial, pass, begin.elapsed().as_secs_f64() * 1e3);
         Ok(())
     }
