@@ -2,6 +2,7 @@
 //!
 //! Rooms, in the order of their dependencies; ARCHITECTURE.md is the map.
 
+pub mod app;
 pub mod cli;
 pub mod export;
 pub mod gpu;

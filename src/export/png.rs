@@ -61,6 +61,12 @@ pub fn write_png(image: &LinearImage, background: Option<[f32; 3]>, bits: u8) ->
     Ok(png)
 }
 
+/// The picture as a screen shows it: the very steps that [`write_png`] writes with 8 bits, as RGBA. Over `background` alpha
+/// is 255; without one it is straight.
+pub fn rgba8(image: &LinearImage, background: Option<[f32; 3]>) -> Vec<u8> {
+    steps(image, background, 4, 255.0, |v| v as u8)
+}
+
 /// Decodes a PNG into premultiplied linear light.
 ///
 /// # Errors
