@@ -13,6 +13,7 @@ pub mod passes;
 pub mod plan;
 pub mod render;
 pub mod scene;
+pub mod session;
 pub mod settings;
 pub mod tradeoff;
 pub mod transfer;

@@ -1,13 +1,13 @@
 //! The document: a model and everything seen of it that can be undone.
 //!
-//! [`Seen`] is one plain value: settings and camera. Undo keeps whole values, one for each gesture: whatever
+//! [`Seen`] is one plain value: settings, camera and the arrangement of parts. Undo keeps whole values, one for each gesture: whatever
 //! changes between [`Document::begin_gesture`] and [`Document::end_gesture`], or in one call of [`Document::settle`] without a
 //! gesture, is one step. Nothing has to describe its own inverse, so nothing can describe it wrongly.
 
 use std::sync::Arc;
 
 use crate::math::Camera;
-use crate::scene::Scene;
+use crate::scene::{Arrangement, Scene};
 use crate::settings::Settings;
 
 /// Most steps that are remembered.
@@ -20,6 +20,8 @@ pub struct Seen {
     pub settings: Settings,
     /// From where.
     pub camera: Camera,
+    /// Which parts, how, and cut where.
+    pub arrangement: Arrangement,
 }
 
 /// Steps back and forth over whole values.
@@ -162,12 +164,13 @@ mod tests {
     fn document() -> Document {
         let scene = Arc::new(Scene::default());
         let camera = camera::first(&scene.bounds(), 1.0);
-        Document::new(String::new(), scene, Seen { settings: Settings::default(), camera })
+        Document::new(String::new(), scene, Seen { settings: Settings::default(), camera, arrangement: Arrangement::default() })
     }
 
     /// One change of what is seen, whichever the number says.
     fn change(seen: &mut Seen, n: u8) {
-        match n % 3 {
+        match n % 4 {
+            3 => seen.arrangement.explode = f64::from(n) / 128.0,
             0 => seen.settings.light.key = f64::from(n) / 8.0,
             1 => seen.settings.opacity.gain = f64::from(n) / 64.0,
             _ => seen.camera = seen.camera.azimuth(f64::from(n)),

@@ -7,11 +7,23 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::import::{self, ImportOptions};
 use crate::scene::{Scene, builtin};
+use crate::session::Session;
 
 /// In front of the name of a generated scene.
 const BUILTIN: &str = "builtin:";
 /// Bytes read between two looks at the flag.
 const PIECE: usize = 1 << 20;
+
+/// A model and, if a session file asked for it, what is to be seen of it.
+pub struct Opened {
+    /// The model.
+    pub scene: Scene,
+    /// The session; its camera is in the file's coordinates.
+    pub session: Option<Session>,
+}
+
+/// Largest session file that is read, bytes.
+const LARGEST_SESSION: u64 = 16 << 20;
 
 /// What the thread is at.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,7 +40,7 @@ struct Shared {
     read: AtomicU64,
     total: AtomicU64,
     building: AtomicBool,
-    result: Mutex<Option<Result<Scene, String>>>,
+    result: Mutex<Option<Result<Opened, String>>>,
 }
 
 /// A model on its way.
@@ -65,7 +77,7 @@ impl Loading {
     }
 
     /// The scene, or why there is none, once.
-    pub fn take(&self) -> Option<Result<Scene, String>> {
+    pub fn take(&self) -> Option<Result<Opened, String>> {
         self.shared.result.lock().unwrap_or_else(PoisonError::into_inner).take()
     }
 }
@@ -77,7 +89,23 @@ impl Drop for Loading {
     }
 }
 
-fn load(file: &str, shared: &Shared, wake: &impl Fn()) -> Result<Scene, String> {
+fn load(file: &str, shared: &Shared, wake: &impl Fn()) -> Result<Opened, String> {
+    let path = Path::new(file);
+    if !file.starts_with(BUILTIN) && path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")) {
+        let said = |e: &dyn std::error::Error| format!("{file}: {}", full(e));
+        let mut text = String::new();
+        let source = std::fs::File::open(path).map_err(|e| said(&e))?;
+        source.take(LARGEST_SESSION).read_to_string(&mut text).map_err(|e| said(&e))?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let session = Session::from_toml(&text).map_err(|e| said(&e))?.rebased(folder);
+        let scene = load_scene(session.file(), shared, wake)?;
+        let session = session.resolve(&scene).map_err(|e| said(&e))?;
+        return Ok(Opened { scene, session: Some(session) });
+    }
+    Ok(Opened { scene: load_scene(file, shared, wake)?, session: None })
+}
+
+fn load_scene(file: &str, shared: &Shared, wake: &impl Fn()) -> Result<Scene, String> {
     if let Some(name) = file.strip_prefix(BUILTIN) {
         return builtin::build(name).map_err(|e| e.to_string());
     }
@@ -138,7 +166,7 @@ fn read(path: &Path, shared: &Shared, wake: &impl Fn()) -> Result<Vec<u8>, Strin
 mod tests {
     use super::*;
 
-    fn wait(loading: &Loading) -> Result<Scene, String> {
+    fn wait(loading: &Loading) -> Result<Opened, String> {
         for _ in 0..6000 {
             if let Some(result) = loading.take() {
                 return result;
@@ -150,16 +178,19 @@ mod tests {
 
     #[test]
     fn scenes_come_and_errors_say_what_is_wrong() {
-        let scene = wait(&Loading::begin("builtin:quads", || {})).unwrap();
+        let scene = wait(&Loading::begin("builtin:quads", || {})).unwrap().scene;
         assert!(!scene.parts.is_empty());
         let folder = tempfile::tempdir().unwrap();
         let broken = folder.path().join("broken.glb");
         std::fs::write(&broken, b"glTF and nothing else").unwrap();
+        let session = folder.path().join("session.toml");
+        std::fs::write(&session, "file = 3").unwrap();
         for (file, word) in [
             ("builtin:nothing", "nothing"),
             ("/no/such/file.glb", "/no/such/file.glb"),
             ("/etc/hostname", "hostname"),
             (broken.to_str().unwrap(), "broken"),
+            (session.to_str().unwrap(), "session.toml"),
         ] {
             let error = wait(&Loading::begin(file, || {})).map(|_| ()).unwrap_err();
             assert!(error.contains(word), "{file}: {error}");

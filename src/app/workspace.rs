@@ -11,10 +11,12 @@ use super::camera::{self, Frame};
 use super::config::Preferences;
 use super::document::{Document, Seen};
 use super::pictures::{Kind, Picture};
+use super::loader::Opened;
 use super::viewport::Shown;
 use crate::plan::{self, Capabilities, FramePlan, ViewStats};
 use crate::render::FrameReport;
-use crate::scene::{NoticeKind, Scene, SceneStats};
+use crate::scene::{Arrangement, NoticeKind, Scene};
+use crate::session::{Session, camera_in_file, camera_in_scene};
 use crate::settings::Settings;
 
 /// Something for the shell to do.
@@ -28,6 +30,8 @@ pub enum Ask {
     CancelLoading,
     /// Choose where the picture goes, and write it.
     SavePicture,
+    /// Choose where the session goes, and write it.
+    SaveSession,
     /// Put text on the clipboard.
     Copy(String),
     /// Write the preferences.
@@ -141,7 +145,7 @@ pub struct Workspace {
     pub adapter: Option<String>,
     /// What would run; `None` without a model or an adapter.
     pub plan: Option<Result<FramePlan, String>>,
-    planned: Option<(u64, Settings, f64, [u32; 2])>,
+    planned: Option<(u64, Seen, [u32; 2])>,
     /// Where the picture is.
     pub viewport: Viewport,
     /// What turning turns about; the focal point if `None`.
@@ -192,18 +196,29 @@ impl Workspace {
         }
     }
 
-    /// Shows another model as first seen, with the settings that are there.
-    pub fn open(&mut self, file: String, scene: Scene) {
+    /// Shows another model: as its session says, or as first seen, with the settings that are there.
+    pub fn open(&mut self, file: String, opened: Opened) {
+        let Opened { scene, session } = opened;
         let settings = self.document.take().map_or_else(Settings::default, |d| d.seen.settings);
         let aspect = self.viewport.frame().aspect();
-        let seen = Seen { settings, camera: camera::first(&scene.bounds(), aspect) };
+        let remembered = file.clone();
+        let (file, seen) = match session {
+            Some(s) => {
+                let camera = camera_in_scene(&s.camera, &scene);
+                (s.file, Seen { settings: s.settings, camera, arrangement: s.arrangement })
+            }
+            None => {
+                let camera = camera::first(&scene.bounds(), aspect);
+                (file, Seen { settings, camera, arrangement: Arrangement::default() })
+            }
+        };
         self.messages.retain(|m| m.gravity == Gravity::Error);
         let notices: Vec<String> =
             scene.notices.iter().map(|n| format!("{}: {}", word(n.kind), n.message)).collect();
         if !notices.is_empty() {
             self.say(Gravity::Notice, notices.join("\n"));
         }
-        self.preferences.remember(&file);
+        self.preferences.remember(&remembered);
         self.asks.push(Ask::Remember);
         self.document = Some(Document::new(file, Arc::new(scene), seen));
         self.scene_number += 1;
@@ -211,6 +226,23 @@ impl Workspace {
         self.report = None;
         self.refusal = None;
         self.pivot = None;
+    }
+
+    /// Everything seen, as a file that `pellucid render --session` draws.
+    ///
+    /// # Errors
+    /// A sentence if it cannot be written down.
+    pub fn session(&self, folder: &std::path::Path) -> Result<String, String> {
+        let document = self.document.as_ref().ok_or("there is no model")?;
+        let seen = &document.seen;
+        let session = Session {
+            file: document.file.clone(),
+            size: self.viewport.size,
+            camera: camera_in_file(&seen.camera, &document.scene),
+            settings: seen.settings.clone(),
+            arrangement: seen.arrangement.clone(),
+        };
+        session.for_folder(folder).and_then(|s| s.to_toml(&document.scene)).map_err(|e| e.to_string())
     }
 
     /// Takes a picture onto the screen.
@@ -256,11 +288,13 @@ impl Workspace {
             return;
         };
         let view = ViewStats::of(&document.seen.camera);
-        let now = (self.scene_number, document.seen.settings.clone(), view.visible_height, self.viewport.size);
-        if self.planned.as_ref() == Some(&now) || self.viewport.size.contains(&0) {
+        let same = |(number, seen, size): &(u64, Seen, [u32; 2])| {
+            (*number, *size) == (self.scene_number, self.viewport.size) && *seen == document.seen
+        };
+        if self.planned.as_ref().is_some_and(same) || self.viewport.size.contains(&0) {
             return;
         }
-        let stats = SceneStats::of(&document.scene);
+        let stats = document.seen.arrangement.stats(&document.scene);
         let settings = &document.seen.settings;
         let planned = match settings.opacity.transfer.resolve(None) {
             Ok(transfer) => plan::plan(settings, &transfer, &stats, &view, capabilities, self.viewport.size)
@@ -268,7 +302,7 @@ impl Workspace {
             Err(e) => Err(e.to_string()),
         };
         self.plan = Some(planned);
-        self.planned = Some(now);
+        self.planned = Some((self.scene_number, document.seen.clone(), self.viewport.size));
     }
 
     /// One step back.

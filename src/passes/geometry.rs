@@ -16,7 +16,7 @@ use super::{Context, InstanceUniform};
 use crate::gpu::{Gpu, GpuError, RasterKernel, RasterSpec, ShaderSpec};
 use crate::math::Sphere;
 use crate::plan::Pass;
-use crate::scene::SceneStats;
+use crate::scene::{Arrangement, Scene, SceneStats};
 
 /// In which order parts are drawn. The picture does not depend on it, except through the ties of packed keys.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -41,6 +41,8 @@ pub struct GpuScene {
     parts_by_mesh: Vec<Vec<u32>>,
     /// First triangle and radius of every part.
     pub part_table: wgpu::Buffer,
+    /// How the parts are shown.
+    pub arrangement: Arrangement,
 }
 
 struct GpuPrimitive {
@@ -112,6 +114,16 @@ fn instance_of(part: &GpuPart, index: u32, view_from_world: &DMat4) -> InstanceU
 }
 
 impl GpuScene {
+    /// Puts the parts where an arrangement that fits the scene wants them.
+    ///
+    /// # Errors
+    /// [`GpuError`] of the device.
+    pub fn arrange(&mut self, gpu: &Gpu, scene: &Scene, arrangement: &Arrangement) -> Result<(), GpuError> {
+        let _ = scene;
+        self.arrangement = arrangement.clone();
+        gpu.check()
+    }
+
     /// Instances of all parts for a view, parts of one mesh together.
     ///
     /// # Errors

@@ -9,11 +9,11 @@ use std::sync::atomic::AtomicBool;
 use serde::Serialize;
 
 use crate::gpu::{AdapterFacts, Gpu, GpuError, PassTime, Resources, Shaders, Timing};
-use crate::math::{Camera, LinearImage};
+use crate::math::{Bounds, Camera, LinearImage};
 use crate::passes::capture::LayerCounts;
 pub use crate::passes::geometry::{DrawOrder, GpuScene};
 use crate::plan::{self, FramePlan, Refusal, ViewStats};
-use crate::scene::Scene;
+use crate::scene::{Arrangement, ArrangementError, Presence, Scene};
 use crate::settings::{OpacityModel, Settings};
 use crate::transfer::{TransferError, TransferFunction};
 
@@ -34,6 +34,9 @@ pub enum RenderError {
     /// The transfer functions could not be read.
     #[error(transparent)]
     Transfer(#[from] TransferError),
+    /// The arrangement does not fit the scene.
+    #[error(transparent)]
+    Arrangement(#[from] ArrangementError),
     /// One pixel has more layers than a list may have.
     #[error(
         "a pixel has {layers} layers; a list holds {limit}. capture.kind = bucketed_k_buffer keeps the nearest k and counts \
@@ -83,6 +86,19 @@ pub struct FrameReport {
     pub plan: FramePlan,
     /// Who executed it.
     pub adapter: AdapterFacts,
+}
+
+/// What became of a scene's parts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ArrangementReport {
+    /// Parts that are shown.
+    pub shown: usize,
+    /// Parts that are ghosted.
+    pub ghosted: usize,
+    /// Parts that are not drawn.
+    pub hidden: usize,
+    /// The box around what is drawn, in scene space.
+    pub bounds: Bounds,
 }
 
 /// A picture and its report.
@@ -157,6 +173,30 @@ impl Renderer {
     /// [`RenderError::Gpu`] if memory runs out.
     pub fn load_shuffled(&mut self, scene: &Scene, seed: u64) -> Result<GpuScene, RenderError> {
         Ok(GpuScene::upload(&self.gpu, &self.shaders.shared, scene, Some(seed))?)
+    }
+
+    /// Shows the parts of an uploaded scene as `arrangement` says, from the next frame on. `scene` is what was uploaded.
+    ///
+    /// # Errors
+    /// [`RenderError::Arrangement`] if it does not fit the scene, which then stays as it was.
+    pub fn arrange(
+        &self,
+        loaded: &mut GpuScene,
+        scene: &Scene,
+        arrangement: &Arrangement,
+    ) -> Result<ArrangementReport, RenderError> {
+        arrangement.check(scene)?;
+        loaded.arrange(&self.gpu, scene, arrangement)?;
+        let count = |presence| {
+            let parts = 0..scene.parts.len() as u32;
+            parts.filter(|&part| arrangement.look(part).presence == presence).count()
+        };
+        Ok(ArrangementReport {
+            shown: count(Presence::Shown),
+            ghosted: count(Presence::Ghosted),
+            hidden: count(Presence::Hidden),
+            bounds: loaded.stats.bounds,
+        })
     }
 
     /// What a frame would do.

@@ -12,6 +12,7 @@
 //! Coordinates: right-handed, y up, as in glTF. Vertices are `f32` in the mesh's own space; transforms are `f64`.
 //! A scene far from its origin is re-based ([`Scene::origin`]), so that positions relative to the camera stay exact (T29).
 
+pub mod arrangement;
 pub mod builtin;
 pub mod hard_case;
 mod normals;
@@ -24,6 +25,7 @@ use rayon::prelude::*;
 
 use crate::math::{Bounds, Projection};
 
+pub use arrangement::{Arrangement, ArrangementError, PartLook, PartStyle, Presence, Section};
 pub use normals::{compute_normals, interpolated_normals, reweighted_normals};
 pub use statistics::SceneStats;
 

@@ -22,16 +22,30 @@ pub struct SceneStats {
     pub emissive_materials: u64,
     /// Materials with at least one texture.
     pub textured_materials: u64,
-    /// Box around everything, scene units.
+    /// Box around everything that is drawn, scene units.
     pub bounds: Bounds,
+    /// Drawn parts whose opacity is multiplied by less than 1.
+    pub faded_parts: u64,
+    /// Drawn parts that the opacity model leaves alone.
+    pub solid_parts: u64,
+    /// Drawn parts with a colour of the user's.
+    pub recolored_parts: u64,
+    /// Drawn parts that are outlined.
+    pub selected_parts: u64,
 }
 
 impl SceneStats {
     /// Counts a finished scene.
     pub fn of(scene: &Scene) -> SceneStats {
+        SceneStats::of_parts(scene, |_| true)
+    }
+
+    /// Counts a finished scene of which only some parts are drawn: materials are theirs, everything else is the whole
+    /// scene's.
+    pub(super) fn of_parts(scene: &Scene, is_drawn: impl Fn(u32) -> bool) -> SceneStats {
         let used: Vec<_> = {
             let mut used = vec![false; scene.materials.len()];
-            for part in &scene.parts {
+            for (_, part) in scene.parts.iter().enumerate().filter(|(i, _)| is_drawn(*i as u32)) {
                 for primitive in &scene.meshes[part.mesh].primitives {
                     used[primitive.material] = true;
                 }
@@ -48,6 +62,10 @@ impl SceneStats {
             emissive_materials: count(&|m| m.emissive != [0.0; 3]),
             textured_materials: count(&|m| m.texture_refs().next().is_some()),
             bounds: scene.bounds(),
+            faded_parts: 0,
+            solid_parts: 0,
+            recolored_parts: 0,
+            selected_parts: 0,
         }
     }
 

@@ -88,7 +88,8 @@ pub(super) fn find(path: &str, declarations: &[Declaration]) -> Result<Declarati
     })
 }
 
-fn edit_distance(a: &str, b: &str) -> usize {
+/// How many characters have to be changed, added or taken away to make one text of the other.
+pub(crate) fn edit_distance(a: &str, b: &str) -> usize {
     let b: Vec<char> = b.chars().collect();
     let mut row: Vec<usize> = (0..=b.len()).collect();
     for (i, ca) in a.chars().enumerate() {

@@ -11,6 +11,7 @@ mod declare;
 use serde::{Deserialize, Serialize};
 
 pub use axis::{Axis, Effect, Knob, Technique, text_at};
+pub(crate) use declare::edit_distance;
 pub use declare::{Declaration, Range};
 use declare::{choice, settings};
 

@@ -6,12 +6,13 @@ use super::support::repository;
 
 /// The rooms. Each may use those before it, and itself.
 const ROOMS: &[&str] = &[
-    "math", "scene", "transfer", "import", "settings", "plan", "oracle", "gpu", "passes", "render", "export",
-    "tradeoff", "app", "cli",
+    "math", "scene", "transfer", "import", "settings", "session", "plan", "oracle", "gpu", "passes", "render",
+    "export", "tradeoff", "app", "cli",
 ];
 
 /// Rooms that must be usable without a GPU: nothing in them names these.
-const WITHOUT_GPU: &[&str] = &["math", "scene", "transfer", "import", "settings", "plan", "oracle", "export"];
+const WITHOUT_GPU: &[&str] =
+    &["math", "scene", "transfer", "import", "settings", "session", "plan", "oracle", "export"];
 const GPU_CRATES: &[&str] = &["wgpu::", "naga::", "egui", "winit"];
 
 const MOST_LINES: usize = 600;

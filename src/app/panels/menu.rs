@@ -62,6 +62,9 @@ fn file(ui: &mut Ui, workspace: &mut Workspace) {
     ui.separator();
     let open = workspace.document.is_some();
     ui.add_enabled_ui(open, |ui| {
+        if item(ui, "Save session…", "Ctrl+S") {
+            workspace.asks.push(Ask::SaveSession);
+        }
         if item(ui, "Save picture…", "Ctrl+P") {
             workspace.asks.push(Ask::SavePicture);
         }

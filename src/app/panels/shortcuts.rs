@@ -13,6 +13,7 @@ pub const KEYS: &[(&str, &str)] = &[
     ("Ctrl+1, 3, 7, 9", "The same from the other side"),
     ("5", "Perspective or parallel"),
     ("Home", "Show everything"),
+    ("Ctrl+S", "Save the session"),
     ("Ctrl+P", "Save the picture"),
     ("Ctrl+Shift+C", "Copy as command line"),
     ("F1", "This list"),

@@ -6,7 +6,7 @@ use super::{GpuMaterial, GpuPart, GpuPrimitive, GpuScene};
 use crate::gpu::{Gpu, GpuError, SharedLayouts};
 use crate::math::color::{linear_from_srgb, srgb_from_linear};
 use crate::passes::{MaterialUniform, PartFacts};
-use crate::scene::{AlphaMode, Image, Material, Mip, Primitive, Scene, SceneStats, TextureRef, Wrap};
+use crate::scene::{AlphaMode, Arrangement, Image, Material, Mip, Primitive, Scene, SceneStats, TextureRef, Wrap};
 
 /// Bit that says: the vertex normals oppose the winding (as in `scene/instance.wgsl`).
 const OPPOSED: u32 = 0x8000_0000;
@@ -379,6 +379,7 @@ impl GpuScene {
             parts,
             parts_by_mesh,
             part_table,
+            arrangement: Arrangement::default(),
         })
     }
 }
