@@ -164,7 +164,11 @@ mod tests {
     fn document() -> Document {
         let scene = Arc::new(Scene::default());
         let camera = camera::first(&scene.bounds(), 1.0);
-        Document::new(String::new(), scene, Seen { settings: Settings::default(), camera, arrangement: Arrangement::default() })
+        Document::new(
+            String::new(),
+            scene,
+            Seen { settings: Settings::default(), camera, arrangement: Arrangement::default() },
+        )
     }
 
     /// One change of what is seen, whichever the number says.

@@ -9,9 +9,11 @@ use glam::{DVec2, DVec3};
 
 use super::camera::{self, Frame};
 use super::config::Preferences;
+use super::dialogs::Choice;
 use super::document::{Document, Seen};
-use super::pictures::{Kind, Picture};
 use super::loader::Opened;
+use super::panels::parts::Tree;
+use super::pictures::{Kind, Picture};
 use super::viewport::Shown;
 use crate::plan::{self, Capabilities, FramePlan, ViewStats};
 use crate::render::FrameReport;
@@ -23,15 +25,13 @@ use crate::settings::Settings;
 #[derive(Clone, Debug, PartialEq)]
 pub enum Ask {
     /// Choose a file in a dialog.
-    OpenDialog,
+    Choose(Choice),
+    /// Do with this path what it was chosen for.
+    Use(Choice, String),
     /// Open this file.
     Open(String),
     /// Stop loading.
     CancelLoading,
-    /// Choose where the picture goes, and write it.
-    SavePicture,
-    /// Choose where the session goes, and write it.
-    SaveSession,
     /// Put text on the clipboard.
     Copy(String),
     /// Write the preferences.
@@ -108,13 +108,26 @@ impl Viewport {
     }
 }
 
+/// A path that is asked for in the window.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Prompt {
+    /// What for.
+    pub choice: Choice,
+    /// As typed so far.
+    pub path: String,
+}
+
 /// What the panels keep for themselves.
 #[derive(Clone, Debug, Default)]
 pub struct Layout {
     /// The list of shortcuts is shown.
     pub shortcuts: bool,
+    /// A path that is asked for.
+    pub prompt: Option<Prompt>,
     /// What is searched among the parts.
     pub search: String,
+    /// The tree of parts, laid out for the scene at hand.
+    pub tree: Option<Tree>,
     /// A setting's text while it is typed: its path and the text.
     pub typing: Option<(String, String)>,
 }
@@ -213,8 +226,7 @@ impl Workspace {
             }
         };
         self.messages.retain(|m| m.gravity == Gravity::Error);
-        let notices: Vec<String> =
-            scene.notices.iter().map(|n| format!("{}: {}", word(n.kind), n.message)).collect();
+        let notices: Vec<String> = scene.notices.iter().map(|n| format!("{}: {}", word(n.kind), n.message)).collect();
         if !notices.is_empty() {
             self.say(Gravity::Notice, notices.join("\n"));
         }
@@ -252,9 +264,8 @@ impl Workspace {
         }
         self.capabilities.get_or_insert_with(|| picture.report.adapter.capabilities.clone());
         self.adapter.get_or_insert_with(|| picture.report.adapter.name.clone());
-        let background = picture
-            .background
-            .map(|rgb| rgb.map(|v| (crate::math::color::srgb_from_linear(f64::from(v))) as f32));
+        let background =
+            picture.background.map(|rgb| rgb.map(|v| (crate::math::color::srgb_from_linear(f64::from(v))) as f32));
         let serial = self.screen.as_ref().map_or(0, |s| s.shown.serial) + 1;
         if picture.kind == Kind::Exact {
             self.report = Some((picture.seen, picture.report));
@@ -320,7 +331,10 @@ impl Workspace {
     }
 
     /// Changes the camera as one step.
-    pub fn look(&mut self, change: impl FnOnce(&camera::Frame, &Scene, &crate::math::Camera) -> Option<crate::math::Camera>) {
+    pub fn look(
+        &mut self,
+        change: impl FnOnce(&camera::Frame, &Scene, &crate::math::Camera) -> Option<crate::math::Camera>,
+    ) {
         let frame = self.viewport.frame();
         if let Some(document) = &mut self.document
             && let Some(camera) = change(&frame, &document.scene, &document.seen.camera)

@@ -4,6 +4,7 @@ use egui::{Button, MenuBar, Ui};
 
 use crate::app::camera::{self, Habits};
 use crate::app::config::Theme;
+use crate::app::dialogs::Choice;
 use crate::app::workspace::{Ask, Gravity, Workspace};
 use crate::app::{command_line, panels::style};
 use crate::scene::builtin;
@@ -37,7 +38,7 @@ fn item(ui: &mut Ui, text: &str, keys: &str) -> bool {
 
 fn file(ui: &mut Ui, workspace: &mut Workspace) {
     if item(ui, "Open…", "Ctrl+O") {
-        workspace.asks.push(Ask::OpenDialog);
+        workspace.asks.push(Ask::Choose(Choice::Open));
     }
     let recent = workspace.preferences.recent.clone();
     ui.add_enabled_ui(!recent.is_empty(), |ui| {
@@ -63,10 +64,10 @@ fn file(ui: &mut Ui, workspace: &mut Workspace) {
     let open = workspace.document.is_some();
     ui.add_enabled_ui(open, |ui| {
         if item(ui, "Save session…", "Ctrl+S") {
-            workspace.asks.push(Ask::SaveSession);
+            workspace.asks.push(Ask::Choose(Choice::SaveSession));
         }
         if item(ui, "Save picture…", "Ctrl+P") {
-            workspace.asks.push(Ask::SavePicture);
+            workspace.asks.push(Ask::Choose(Choice::SavePicture));
         }
         if item(ui, "Copy as command line", "Ctrl+Shift+C") {
             copy_command_line(workspace);

@@ -2,6 +2,7 @@
 
 use egui::{Align2, Area, Color32, Frame, Id, Rect, RichText, Ui, vec2};
 
+use crate::app::dialogs::Choice;
 use crate::app::workspace::{Ask, Gravity, Workspace};
 
 /// Everything that lies on the picture.
@@ -24,7 +25,7 @@ pub fn show(ui: &mut Ui, picture: Rect, workspace: &mut Workspace) {
             ui.heading("Drop a GLB or glTF file here");
             ui.horizontal(|ui| {
                 if ui.button("Open…").clicked() {
-                    workspace.asks.push(Ask::OpenDialog);
+                    workspace.asks.push(Ask::Choose(Choice::Open));
                 }
                 if ui.button("Try the gearbox").clicked() {
                     workspace.asks.push(Ask::Open("builtin:gearbox".to_owned()));
@@ -43,6 +44,40 @@ pub fn show(ui: &mut Ui, picture: Rect, workspace: &mut Workspace) {
         });
     }
     said(ui, picture, workspace);
+}
+
+/// A line to type a path into, where the desktop has no dialog for it.
+pub fn prompt(ui: &mut Ui, workspace: &mut Workspace) {
+    let Some(prompt) = &mut workspace.layout.prompt else {
+        return;
+    };
+    let mut open = true;
+    let mut done = false;
+    egui::Window::new(prompt.choice.title())
+        .anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0))
+        .open(&mut open)
+        .resizable(false)
+        .collapsible(false)
+        .show(ui.ctx(), |ui| {
+            let line = egui::TextEdit::singleline(&mut prompt.path).desired_width(420.0).hint_text("Path of a file");
+            let line = ui.add(line);
+            line.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, "Path"));
+            let entered = line.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter));
+            if !line.has_focus() && !entered {
+                line.request_focus();
+            }
+            let word = if prompt.choice == Choice::Open { "Open" } else { "Save" };
+            done = ui.button(word).clicked() || entered;
+        });
+    if ui.input(|i| i.key_pressed(egui::Key::Escape)) {
+        open = false;
+    }
+    if done {
+        workspace.asks.push(Ask::Use(prompt.choice, prompt.path.clone()));
+    }
+    if done || !open {
+        workspace.layout.prompt = None;
+    }
 }
 
 fn said(ui: &mut Ui, picture: Rect, workspace: &mut Workspace) {
@@ -98,7 +133,7 @@ fn over(ui: &mut Ui, id: &str, place: Align2, picture: Rect, contents: impl FnOn
         _ => vec2(0.0, 0.0),
     };
     let at = place.pos_in_rect(&picture) + offset;
-    Area::new(Id::new(id)).pivot(place).fixed_pos(at).constrain_to(picture).show(ui.ctx(), |ui| {
+    Area::new(Id::unique(id)).pivot(place).fixed_pos(at).constrain_to(picture).show(ui.ctx(), |ui| {
         Frame::popup(ui.style()).show(ui, contents);
     });
 }

@@ -30,6 +30,7 @@ pub fn show(ui: &mut Ui, workspace: &mut Workspace) {
         Panel::left("parts").default_size(220.0).size_range(140.0..=520.0).show(ui, |ui| parts::show(ui, workspace));
     }
     CentralPanel::default().frame(Frame::NONE).show(ui, |ui| picture(ui, workspace));
+    messages::prompt(ui, workspace);
     shortcuts::show(ui, workspace);
 }
 
@@ -44,7 +45,7 @@ fn picture(ui: &mut Ui, workspace: &mut Workspace) {
     let point = |x: u32, y: u32| Pos2::new(x as f32 / ppp, y as f32 / ppp);
     let rect = Rect::from_min_max(point(left, top), point(left + size[0], top + size[1]));
     let response = ui.allocate_rect(rect, Sense::click_and_drag());
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Other, true, "Picture"));
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, "Picture"));
     match &workspace.screen {
         Some(screen) => {
             let paint = Paint { picture: screen.shown.clone(), origin: [left, top], size };

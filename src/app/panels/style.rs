@@ -82,6 +82,7 @@ fn light() -> Visuals {
 
 fn common(mut v: Visuals) -> Visuals {
     v.hyperlink_color = ACCENT;
+    v.text_cursor.blink = false;
     v.slider_trailing_fill = true;
     v.indent_has_left_vline = false;
     v.window_corner_radius = CornerRadius::same(5);

@@ -78,10 +78,8 @@ fn coarse(mesh: &Mesh, cell: f64) -> Mesh {
     let enough = mesh.triangle_count().min(FEWEST_TRIANGLES);
     let mut cell = cell;
     for _ in 0..12 {
-        let coarse = Mesh {
-            name: mesh.name.clone(),
-            primitives: mesh.primitives.iter().map(|p| clustered(p, cell)).collect(),
-        };
+        let coarse =
+            Mesh { name: mesh.name.clone(), primitives: mesh.primitives.iter().map(|p| clustered(p, cell)).collect() };
         if coarse.triangle_count() >= enough {
             return coarse;
         }
@@ -194,7 +192,8 @@ mod tests {
         }
         // Nothing moves further than the cells are large.
         let r = scene.bounds().bounding_sphere().radius;
-        let boxes = |s: &Scene| s.parts.iter().map(|p| s.meshes[p.mesh].bounds_in(p.world_from_part)).collect::<Vec<_>>();
+        let boxes =
+            |s: &Scene| s.parts.iter().map(|p| s.meshes[p.mesh].bounds_in(p.world_from_part)).collect::<Vec<_>>();
         for (a, b) in boxes(&scene).iter().zip(boxes(&coarse)) {
             assert!((a.min - b.min).length().max((a.max - b.max).length()) < 0.05 * r, "{a:?} {b:?}");
         }

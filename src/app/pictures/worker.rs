@@ -44,7 +44,12 @@ pub struct Worker {
 
 impl Worker {
     /// Starts the thread; the device is opened there. `deliver` is called after everything sent.
-    pub fn start(kind: Kind, pace: Arc<Mutex<Pace>>, sender: Sender<Delivery>, wake: Arc<dyn Fn() + Send + Sync>) -> Worker {
+    pub fn start(
+        kind: Kind,
+        pace: Arc<Mutex<Pace>>,
+        sender: Sender<Delivery>,
+        wake: Arc<dyn Fn() + Send + Sync>,
+    ) -> Worker {
         let desk = Arc::new(Desk { slot: Mutex::default(), posted: Condvar::new(), cancel: Arc::default() });
         let theirs = Arc::clone(&desk);
         let run = move || {
