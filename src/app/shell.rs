@@ -1,8 +1,7 @@
 //! The loop: winit's events in, frames out, and everything that panels only ask for.
 //!
-//! A frame is drawn when the window system, egui, or a thread has something to show. While the view is dragged that is not at
-//! every movement of the mouse, but whenever a picture comes: movements go straight to the camera, and painting the same
-//! picture again would only take the processor from the one that is being drawn.
+//! A frame is drawn when the window system, egui, or a thread has something to show, and at no other time. Movements of the
+//! mouse go straight to the camera and from there to the threads that draw, before any frame.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -54,10 +53,19 @@ impl From<egui_winit::accesskit_winit::Event> for Event {
 /// # Errors
 /// [`AppError::Display`] if there is no display or nothing can draw on it.
 pub fn run(files: &[String]) -> Result<(), AppError> {
-    let event_loop = EventLoop::<Event>::with_user_event().build().map_err(|e| AppError::Display(e.to_string()))?;
+    let event_loop = EventLoop::<Event>::with_user_event().build().map_err(|e| AppError::Display(reason(&e)))?;
     let mut shell = Shell::new(event_loop.create_proxy(), files);
     event_loop.run_app(&mut shell).map_err(|e| AppError::Display(e.to_string()))?;
     shell.failure.map_or(Ok(()), Err)
+}
+
+/// What an error of winit says, without the place in winit's source that it begins with.
+fn reason(error: &winit::error::EventLoopError) -> String {
+    let text = error.to_string();
+    match text.split_once(".rs:").and_then(|(_, rest)| rest.split_once(": ")) {
+        Some((_, rest)) if text.starts_with("os error at") => rest.to_owned(),
+        _ => text,
+    }
 }
 
 /// The window itself.
@@ -90,8 +98,9 @@ struct Shell {
     repaint_at: Option<Instant>,
     reopened: u32,
     frames: u64,
-    /// Inputs that no frame shows yet: of which order, and when they came.
+    /// Inputs that no frame answers yet, and those of which no picture is drawn yet: of which order, and when they came.
     inputs: VecDeque<(u64, Instant)>,
+    undrawn: VecDeque<(u64, Instant)>,
     /// When the event at hand came.
     now: Instant,
     failure: Option<AppError>,
@@ -130,6 +139,7 @@ impl Shell {
             reopened: 0,
             frames: 0,
             inputs: VecDeque::new(),
+            undrawn: VecDeque::new(),
             now: Instant::now(),
             failure: None,
             quit: false,
@@ -191,6 +201,7 @@ impl Shell {
                     Ok(opened) => {
                         self.workspace.open(file, opened);
                         self.inputs.clear();
+                        self.undrawn.clear();
                         self.drag = None;
                         let name = self.workspace.document.as_ref().map_or("", |d| &d.file);
                         if let Some(open) = &self.open {
@@ -243,6 +254,7 @@ impl Shell {
             self.workspace.order = number;
             self.workspace.refusal = None;
             self.inputs.push_back((number, self.now));
+            self.undrawn.push_back((number, self.now));
         }
     }
 
@@ -278,11 +290,20 @@ impl Shell {
         let Some(open) = &mut self.open else {
             return;
         };
+        let laid_out = begin.elapsed();
         let shapes = self.context.tessellate(output.shapes, output.pixels_per_point);
         let trace = tracing::enabled!(tracing::Level::DEBUG);
         let drawn = open.surface.draw(&shapes, output.textures_delta, output.pixels_per_point, trace);
+        if let Some(complaint) = open.surface.complaint() {
+            self.workspace.say(Gravity::Error, format!("The window's graphics device reports: {complaint}"));
+        }
         self.frames += 1;
-        tracing::debug!("frame {} in {:.1} ms", self.frames, begin.elapsed().as_secs_f64() * 1e3);
+        tracing::debug!(
+            "frame {} in {:.1} ms, {:.1} of it layout",
+            self.frames,
+            begin.elapsed().as_secs_f64() * 1e3,
+            laid_out.as_secs_f64() * 1e3
+        );
         let delay = output.viewport_output.get(&ViewportId::ROOT).map_or(Duration::MAX, |v| v.repaint_delay);
         match drawn {
             Drawn::Presented => {
@@ -302,12 +323,24 @@ impl Shell {
         let Some(screen) = &self.workspace.screen else {
             return;
         };
+        let ms = |came: Instant| came.elapsed().as_secs_f64() * 1e3;
+        // The picture is moved along with the camera, so the frame answers whatever only moves that.
+        let settings =
+            |d: &super::document::Document| d.seen.settings == screen.look.0 && d.seen.arrangement == screen.look.1;
+        let follows = self.workspace.document.as_ref().is_some_and(settings);
+        let up_to = if follows { self.workspace.order } else { screen.number };
         while let Some(&(number, came)) = self.inputs.front()
-            && number <= screen.number
+            && number <= up_to
         {
             self.inputs.pop_front();
-            let ms = came.elapsed().as_secs_f64() * 1e3;
-            tracing::debug!("latency {ms:.1} ms, input {number}, {} {}", screen.kind.name(), screen.number);
+            let how = if number <= screen.number { screen.kind.name() } else { "moved" };
+            tracing::debug!("answered in {:.1} ms, input {number}, {how}", ms(came));
+        }
+        while let Some(&(number, came)) = self.undrawn.front()
+            && number <= screen.number
+        {
+            self.undrawn.pop_front();
+            tracing::debug!("drawn in {:.1} ms, input {number}, {} {}", ms(came), screen.kind.name(), screen.number);
         }
     }
 
@@ -417,12 +450,12 @@ impl Shell {
         }
     }
 
-    /// Moves the camera with the cursor; says whether a drag has the mouse.
-    fn moved(&mut self) -> bool {
+    /// Moves the camera with the cursor.
+    fn moved(&mut self) {
         let pixel = self.pixel();
         let frame = self.workspace.viewport.frame();
         let (Some(drag), Some(document)) = (&mut self.drag, &mut self.workspace.document) else {
-            return self.drag.is_some();
+            return;
         };
         let delta = pixel - drag.at;
         drag.at = pixel;
@@ -439,7 +472,6 @@ impl Shell {
             None => camera,
         };
         self.order();
-        true
     }
 
     fn wheel(&mut self, delta: MouseScrollDelta) {
@@ -526,13 +558,12 @@ impl ApplicationHandler<Event> for Shell {
             }
             WindowEvent::CursorMoved { position, .. } => {
                 self.cursor = DVec2::new(position.x, position.y);
-                redraw = !self.moved();
+                self.moved();
             }
             WindowEvent::MouseInput { state: ElementState::Pressed, button, .. } => self.pressed(button),
             WindowEvent::MouseInput { state: ElementState::Released, button, .. } => self.released(button),
             WindowEvent::MouseWheel { delta, .. } if self.over_picture() => {
                 self.wheel(delta);
-                redraw = false;
             }
             WindowEvent::KeyboardInput { event, is_synthetic: false, .. } => {
                 if self.key(&event) {

@@ -3,8 +3,8 @@
 //! A surface of no size or beyond the largest texture is a validation error, so the first is not drawn and the second is
 //! clamped. A lost or outdated surface is configured again; after a lost device everything here is made anew.
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use egui_wgpu::{Renderer, RendererOptions, ScreenDescriptor};
 use wgpu::CurrentSurfaceTexture as Current;
@@ -38,6 +38,7 @@ pub struct Surface {
     largest: u32,
     renderer: Renderer,
     lost: Arc<AtomicBool>,
+    reported: Arc<Mutex<Option<String>>>,
 }
 
 impl Surface {
@@ -67,7 +68,13 @@ impl Surface {
                 noticed.store(true, Ordering::Relaxed);
             }
         });
-        device.on_uncaptured_error(Arc::new(|error| tracing::error!("the window's device reports: {error}")));
+        let reported: Arc<Mutex<Option<String>>> = Arc::default();
+        let kept = Arc::clone(&reported);
+        device.on_uncaptured_error(Arc::new(move |error| {
+            let text = error.to_string();
+            tracing::error!("the window's device reports: {text}");
+            *kept.lock().unwrap_or_else(PoisonError::into_inner) = Some(text);
+        }));
         let capabilities = surface.get_capabilities(&adapter);
         // What is drawn is sRGB already, so the surface must not encode it once more.
         let format = capabilities
@@ -94,7 +101,7 @@ impl Surface {
         renderer.callback_resources.insert(Screen::new(&device, format));
         let largest = device.limits().max_texture_dimension_2d;
         tracing::debug!("window: {}, {format:?}, {present_mode:?}", adapter.get_info().name);
-        let mut new = Surface { window, instance, surface, device, queue, config, largest, renderer, lost };
+        let mut new = Surface { window, instance, surface, device, queue, config, largest, renderer, lost, reported };
         new.configure();
         Ok(new)
     }
@@ -102,6 +109,11 @@ impl Surface {
     /// The largest texture, which bounds egui's.
     pub fn largest(&self) -> u32 {
         self.largest
+    }
+
+    /// What the device has complained about since the last call.
+    pub fn complaint(&self) -> Option<String> {
+        self.reported.lock().unwrap_or_else(PoisonError::into_inner).take()
     }
 
     /// Takes over the window's size. Nothing is drawn into a window of no size.
@@ -120,18 +132,19 @@ impl Surface {
     pub fn draw(
         &mut self,
         shapes: &[egui::ClippedPrimitive],
-        textures: egui::TexturesDelta,
+        mut textures: egui::TexturesDelta,
         pixels_per_point: f32,
         trace: bool,
     ) -> Drawn {
-        for (id, deltas) in &textures.set {
-            for delta in deltas {
-                self.renderer.update_texture(&self.device, &self.queue, *id, delta);
+        // Taken out, not looked at: what is left when a delta is dropped counts as forgotten.
+        for (id, deltas) in std::mem::take(&mut textures.set) {
+            for delta in &deltas {
+                self.renderer.update_texture(&self.device, &self.queue, id, delta);
             }
         }
         let drawn = self.present(shapes, pixels_per_point, trace);
-        for id in &textures.free {
-            self.renderer.free_texture(id);
+        for id in std::mem::take(&mut textures.free) {
+            self.renderer.free_texture(&id);
         }
         if self.lost.load(Ordering::Relaxed) { Drawn::Lost } else { drawn }
     }

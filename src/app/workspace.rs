@@ -15,6 +15,7 @@ use super::loader::Opened;
 use super::panels::parts::Tree;
 use super::pictures::{Kind, Picture};
 use super::viewport::Shown;
+use crate::math::Camera;
 use crate::plan::{self, Capabilities, FramePlan, ViewStats};
 use crate::render::FrameReport;
 use crate::scene::{Arrangement, NoticeKind, Scene};
@@ -68,6 +69,10 @@ pub struct OnScreen {
     pub number: u64,
     /// Exact or not.
     pub kind: Kind,
+    /// Camera and viewport that it is of.
+    pub view: (Camera, [u32; 2]),
+    /// Settings and arrangement that it is of.
+    pub look: (Settings, Arrangement),
     /// Its own size.
     pub size: [u32; 2],
     /// From order to pixels, milliseconds.
@@ -267,6 +272,8 @@ impl Workspace {
         let background =
             picture.background.map(|rgb| rgb.map(|v| (crate::math::color::srgb_from_linear(f64::from(v))) as f32));
         let serial = self.screen.as_ref().map_or(0, |s| s.shown.serial) + 1;
+        let view = (picture.seen.camera, picture.viewport);
+        let look = (picture.seen.settings.clone(), picture.seen.arrangement.clone());
         if picture.kind == Kind::Exact {
             self.report = Some((picture.seen, picture.report));
             self.refusal = None;
@@ -281,6 +288,8 @@ impl Workspace {
             }),
             number: picture.number,
             kind: picture.kind,
+            view,
+            look,
             size: picture.size,
             milliseconds: picture.milliseconds,
         });
@@ -331,10 +340,7 @@ impl Workspace {
     }
 
     /// Changes the camera as one step.
-    pub fn look(
-        &mut self,
-        change: impl FnOnce(&camera::Frame, &Scene, &crate::math::Camera) -> Option<crate::math::Camera>,
-    ) {
+    pub fn look(&mut self, change: impl FnOnce(&camera::Frame, &Scene, &Camera) -> Option<Camera>) {
         let frame = self.viewport.frame();
         if let Some(document) = &mut self.document
             && let Some(camera) = change(&frame, &document.scene, &document.seen.camera)

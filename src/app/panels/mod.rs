@@ -11,7 +11,7 @@ pub mod style;
 
 use egui::{CentralPanel, Frame, Panel, Pos2, Rect, Sense, Ui};
 
-use super::viewport::Paint;
+use super::viewport::{self, Paint};
 use super::workspace::{Viewport, Workspace};
 
 /// Everything, from the outside in.
@@ -48,7 +48,11 @@ fn picture(ui: &mut Ui, workspace: &mut Workspace) {
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, "Picture"));
     match &workspace.screen {
         Some(screen) => {
-            let paint = Paint { picture: screen.shown.clone(), origin: [left, top], size };
+            let moved = workspace.document.as_ref().filter(|d| (d.seen.camera, size) != screen.view).and_then(|d| {
+                let (then, of) = &screen.view;
+                viewport::moved_along((then, *of), (&d.seen.camera, size), &d.scene.bounds())
+            });
+            let paint = Paint { picture: screen.shown.clone(), origin: [left, top], size, moved };
             ui.painter().add(egui_wgpu::Callback::new_paint_callback(rect, paint));
         }
         None => {

@@ -113,6 +113,8 @@ enum Act {
 
 /// The panel.
 pub fn show(ui: &mut Ui, workspace: &mut Workspace) {
+    // Else the panel shrinks to what is in it.
+    ui.take_available_width();
     let Some(document) = &workspace.document else {
         ui.weak("No parts.");
         return;
@@ -165,14 +167,13 @@ fn row(ui: &mut Ui, tree: &Tree, index: usize, flat: bool, arrangement: &Arrange
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 2.0;
         let presence = presence_of(arrangement, &row.parts);
-        let (eye, state, next) = match presence {
-            Some(Presence::Shown) => ("●", "shown", Presence::Ghosted),
-            Some(Presence::Ghosted) => ("◐", "ghosted", Presence::Hidden),
-            Some(Presence::Hidden) => ("○", "hidden", Presence::Shown),
-            None => ("◒", "shown in part", Presence::Shown),
+        let (state, next) = match presence {
+            Some(Presence::Shown) => ("shown", Presence::Ghosted),
+            Some(Presence::Ghosted) => ("ghosted", Presence::Hidden),
+            Some(Presence::Hidden) => ("hidden", Presence::Shown),
+            None => ("shown in part", Presence::Shown),
         };
-        let small = Button::new(RichText::new(eye).small()).frame(false).min_size(vec2(14.0, 0.0));
-        let eye = ui.add(small).on_hover_text(format!("{state}; click for {}", name_of(next)));
+        let eye = eye(ui, presence).on_hover_text(format!("{state}; click for {}", name_of(next)));
         eye.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, format!("{} {state}", row.name)));
         if eye.clicked() {
             act = Some(Act::Presence(row.parts.clone(), next));
@@ -181,8 +182,9 @@ fn row(ui: &mut Ui, tree: &Tree, index: usize, flat: bool, arrangement: &Arrange
             ui.add_space(10.0 * row.depth as f32);
         }
         if row.end > index + 1 && !flat {
-            let (arrow, what) = if tree.closed.contains(&index) { ("▸", "Open") } else { ("▾", "Close") };
-            let arrow = ui.add(Button::new(arrow).frame(false).min_size(vec2(14.0, 0.0)));
+            let (openness, what) = if tree.closed.contains(&index) { (0.0, "Open") } else { (1.0, "Close") };
+            let (_, arrow) = ui.allocate_exact_size(vec2(14.0, 14.0), egui::Sense::click());
+            egui::collapsing_header::paint_default_icon(ui, openness, &arrow);
             arrow.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, format!("{what} {}", row.name)));
             if arrow.clicked() {
                 act = Some(Act::Toggle(index));
@@ -223,6 +225,23 @@ fn row(ui: &mut Ui, tree: &Tree, index: usize, flat: bool, arrangement: &Arrange
         }
     });
     act
+}
+
+/// A disc for what is shown, a ring for what is hidden, both for what is ghosted.
+fn eye(ui: &mut Ui, presence: Option<Presence>) -> egui::Response {
+    let (rect, response) = ui.allocate_exact_size(vec2(14.0, 14.0), egui::Sense::click());
+    let color = ui.style().interact(&response).fg_stroke.color;
+    let (inner, ring) = match presence {
+        Some(Presence::Shown) => (4.0, false),
+        Some(Presence::Ghosted) => (1.5, true),
+        Some(Presence::Hidden) => (0.0, true),
+        None => (2.5, false),
+    };
+    ui.painter().circle_filled(rect.center(), inner, color);
+    if ring {
+        ui.painter().circle_stroke(rect.center(), 4.0, egui::Stroke::new(1.0, color));
+    }
+    response
 }
 
 fn name_of(presence: Presence) -> &'static str {

@@ -11,7 +11,7 @@ use egui::{
 };
 
 use crate::app::workspace::{Gravity, Workspace};
-use crate::settings::{Declaration, Range, Settings};
+use crate::settings::{CaptureKind, Declaration, OpacityModel, Range, Settings};
 use crate::transfer;
 
 static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(Settings::declarations);
@@ -30,6 +30,7 @@ const LABELS: f32 = 104.0;
 
 /// All stages.
 pub fn show(ui: &mut Ui, workspace: &mut Workspace) {
+    ui.take_available_width();
     let Some(document) = &mut workspace.document else {
         ui.weak("Settings appear when a model is open.");
         return;
@@ -55,11 +56,17 @@ pub fn show(ui: &mut Ui, workspace: &mut Workspace) {
                         group = inner;
                     }
                     let value = words.iter().try_fold(&values, |at, key| at.get(*key));
-                    if let Some(value) = value
-                        && let Some(text) = row(ui, declaration, value, &mut workspace.layout.typing)
-                    {
-                        change = Some((declaration.path.as_str(), text));
-                    }
+                    let Some(value) = value else {
+                        continue;
+                    };
+                    ui.scope(|ui| {
+                        if !matters(settings, &declaration.path) {
+                            ui.multiply_opacity(0.5);
+                        }
+                        if let Some(text) = row(ui, declaration, value, &mut workspace.layout.typing) {
+                            change = Some((declaration.path.as_str(), text));
+                        }
+                    });
                 }
                 ui.add_space(4.0);
             },
@@ -69,6 +76,18 @@ pub fn show(ui: &mut Ui, workspace: &mut Workspace) {
         && let Err(e) = settings.set(path, &text)
     {
         workspace.say(Gravity::Error, e.to_string());
+    }
+}
+
+/// Whether a setting has any part in the picture, given the others. What has none is dimmed, not locked.
+fn matters(settings: &Settings, path: &str) -> bool {
+    let stylized = settings.opacity.model == OpacityModel::Curvature;
+    match path {
+        "opacity.constant" => settings.opacity.model == OpacityModel::Constant,
+        "opacity.transfer" | "opacity.gain" => stylized,
+        _ if path.starts_with("capture.bucketed_k_buffer.") => settings.capture.kind == CaptureKind::BucketedKBuffer,
+        _ if path.starts_with("features.") => stylized,
+        _ => true,
     }
 }
 

@@ -6,9 +6,9 @@
 //! keeps it from going back and forth.
 
 /// Steps of coarseness.
-pub const DIVISORS: [f64; 10] = [1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0];
+pub const DIVISORS: [f64; 8] = [1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0];
 /// Where an unknown model begins.
-const FIRST: usize = 6;
+const FIRST: usize = 5;
 /// No preview has a side of fewer pixels, unless the viewport has.
 const SMALLEST: f64 = 64.0;
 
@@ -86,14 +86,14 @@ mod tests {
 
     #[test]
     fn it_settles_inside_the_target_and_stays() {
-        for (fixed, full) in [(0.0, 30.0), (0.0, 500.0), (10.0, 1000.0), (30.0, 1500.0), (45.0, 600.0), (20.0, 60.0)] {
+        for (fixed, full) in [(0.0, 30.0), (0.0, 500.0), (10.0, 1000.0), (30.0, 700.0), (45.0, 300.0), (20.0, 60.0)] {
             let (pace, divisors) = settled(fixed, full);
             let d = pace.divisor();
             assert!(fixed + full / (d * d) <= 60.0, "{fixed} {full}: divisor {d}");
             assert!(divisors[30..].iter().all(|&x| x == d), "{fixed} {full}: {divisors:?}");
         }
         assert_eq!(settled(0.0, 30.0).0.divisor(), 1.0);
-        assert_eq!(settled(200.0, 10.0).0.divisor(), 8.0, "nothing helps: as coarse as can be");
+        assert_eq!(settled(200.0, 10.0).0.divisor(), 5.0, "nothing helps: as coarse as can be");
     }
 
     #[test]
@@ -108,7 +108,7 @@ mod tests {
     #[test]
     fn sizes_are_never_empty() {
         let pace = Pace { step: DIVISORS.len() - 1, ..Pace::new(60.0) };
-        assert_eq!(pace.size([1280, 800]), [160, 100]);
+        assert_eq!(pace.size([1280, 800]), [256, 160]);
         assert_eq!(pace.size([3, 1]), [3, 1]);
         assert_eq!(pace.size([0, 0]), [1, 1]);
     }

@@ -15,7 +15,7 @@ use crate::gpu::{Gpu, GpuError, GpuOptions, Timing};
 use crate::render::{GpuScene, RenderError, Renderer};
 
 /// Triangles of a preview on a software rasterizer.
-const SOFTWARE_TRIANGLES: u64 = 40_000;
+const SOFTWARE_TRIANGLES: u64 = 20_000;
 
 #[derive(Default)]
 struct Slot {
