@@ -8,6 +8,8 @@ pub mod shortcuts;
 pub mod stages;
 pub mod status;
 pub mod style;
+#[cfg(test)]
+mod tests;
 
 use egui::{CentralPanel, Frame, Panel, Pos2, Rect, Sense, Ui};
 
