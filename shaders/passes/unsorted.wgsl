@@ -11,9 +11,9 @@ struct ShadeParameters {
 
 struct BlendParameters {
     opacity: f32,
+    ghost: f32,
     _pad0: u32,
     _pad1: u32,
-    _pad2: u32,
 }
 @group(1) @binding(26) var<uniform> blend_parameters: BlendParameters;
 

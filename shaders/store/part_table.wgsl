@@ -1,10 +1,14 @@
-// Parts: number of the first triangle, and the radius by which depth differences are normalized (T7).
+// Parts: number of the first triangle, the radius by which depth differences are normalized (T7), and how the user wants
+// them to look.
 
 struct PartFacts {
     first_triangle: u32,
     inverse_radius: f32,
     radius: f32,
-    _pad: u32,
+    // Opacity factor under flags: `passes/opacity/looks_by_part`.
+    look: u32,
+    // Base colour of the user's, if w is not 0.
+    color: vec4<f32>,
 }
 
 @group(1) @binding(12) var<storage, read> part_table: array<PartFacts>;

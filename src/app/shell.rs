@@ -22,12 +22,14 @@ use super::dialogs::{self, Chosen};
 use super::keys;
 use super::loader::{Loading, Phase};
 use super::panels::{self, style};
-use super::pictures::{Delivery, Kind, Pictures, supersedes};
+use super::pictures::{Delivery, Kind, PickOrder, Pictures, supersedes};
 use super::surface::{Drawn, Surface};
 use super::workspace::{Ask, Gravity, LoadingView, Workspace};
 
 /// Turning the wheel is one gesture until it rests so long.
 const WHEEL_RESTS: Duration = Duration::from_millis(300);
+/// A drag of fewer pixels is a click.
+const CLICK: f64 = 4.0;
 /// Devices that are opened again in a row before giving up.
 const MOST_REOPENED: u32 = 5;
 
@@ -81,6 +83,8 @@ struct Drag {
     motion: Option<Motion>,
     from: DVec2,
     at: DVec2,
+    /// Pixels that it has gone.
+    moved: f64,
 }
 
 struct Shell {
@@ -226,6 +230,10 @@ impl Shell {
                 }
                 Delivery::Fault(fault) if fault.number == self.workspace.order && fault.kind == Kind::Exact => {
                     self.workspace.refusal = Some(fault.message);
+                    changed = true;
+                }
+                Delivery::Picked(picked) => {
+                    self.workspace.take_picked(picked);
                     changed = true;
                 }
                 // The exact picture has the same fault, and says so; an older one is of no interest.
@@ -434,7 +442,7 @@ impl Shell {
             _ => return,
         };
         let motion = camera::motion(self.workspace.preferences.mouse, known, held);
-        self.drag = Some(Drag { button, motion, from: self.pixel(), at: self.pixel() });
+        self.drag = Some(Drag { button, motion, from: self.pixel(), at: self.pixel(), moved: 0.0 });
         if let Some(document) = &mut self.workspace.document {
             document.begin_gesture();
         }
@@ -442,11 +450,33 @@ impl Shell {
 
     fn released(&mut self, button: MouseButton) {
         if self.drag.as_ref().is_some_and(|d| d.button == button) {
+            let clicked = button == MouseButton::Left && self.drag.as_ref().is_some_and(|d| d.moved < CLICK);
             self.drag = None;
             if let Some(document) = &mut self.workspace.document {
                 document.end_gesture();
             }
+            if clicked {
+                self.click();
+            }
             self.redraw();
+        }
+    }
+
+    /// Picks what is under the cursor; once more on the same place is for what lies behind it.
+    fn click(&mut self) {
+        let pixel = self.pixel();
+        let pixel = [pixel.x.max(0.0) as u32, pixel.y.max(0.0) as u32];
+        if self.workspace.pick_next(pixel, self.held.control_key() || self.held.super_key()) {
+            return;
+        }
+        if let (Some(document), Some(pictures)) = (&self.workspace.document, &self.pictures) {
+            pictures.pick(PickOrder {
+                scene: Arc::clone(&document.scene),
+                scene_number: self.workspace.scene_number,
+                seen: document.seen.clone(),
+                size: self.workspace.viewport.size,
+                pixel,
+            });
         }
     }
 
@@ -459,6 +489,10 @@ impl Shell {
         };
         let delta = pixel - drag.at;
         drag.at = pixel;
+        drag.moved += delta.length();
+        if drag.moved < CLICK {
+            return;
+        }
         let camera = document.seen.camera;
         let pivot = self.workspace.pivot.unwrap_or(camera.focal_point);
         document.seen.camera = match drag.motion {

@@ -13,7 +13,7 @@ use super::dialogs::Choice;
 use super::document::{Document, Seen};
 use super::loader::Opened;
 use super::panels::parts::Tree;
-use super::pictures::{Kind, Picture};
+use super::pictures::{Kind, Picked, Picture};
 use super::viewport::Shown;
 use crate::math::Camera;
 use crate::plan::{self, Capabilities, FramePlan, ViewStats};
@@ -168,6 +168,8 @@ pub struct Workspace {
     pub viewport: Viewport,
     /// What turning turns about; the focal point if `None`.
     pub pivot: Option<DVec3>,
+    /// What was found under the last click, and which of its layers is chosen.
+    pub picked: Option<(Picked, usize)>,
     /// What the panels keep.
     pub layout: Layout,
     /// What the shell has to do.
@@ -193,6 +195,7 @@ impl Workspace {
             planned: None,
             viewport: Viewport::default(),
             pivot: None,
+            picked: None,
             layout: Layout::default(),
             asks: Vec::new(),
         }
@@ -243,6 +246,57 @@ impl Workspace {
         self.report = None;
         self.refusal = None;
         self.pivot = None;
+        self.picked = None;
+    }
+
+    /// Takes what is under a pixel, and chooses the nearest layer.
+    pub fn take_picked(&mut self, picked: Picked) {
+        if picked.layers.is_empty() {
+            self.picked = None;
+            self.pivot = None;
+            if let Some(document) = &mut self.document {
+                document.settle();
+                document.seen.arrangement.selected.clear();
+                document.settle();
+            }
+            return;
+        }
+        self.picked = Some((picked, 0));
+        self.choose_layer(0, false);
+    }
+
+    /// Chooses the next layer under this pixel if that is where was clicked before, from the same view.
+    pub fn pick_next(&mut self, pixel: [u32; 2], more: bool) -> bool {
+        let camera = self.document.as_ref().map(|d| d.seen.camera);
+        let Some((picked, at)) = &self.picked else {
+            return false;
+        };
+        let near = picked.pixel.iter().zip(pixel).all(|(a, b)| a.abs_diff(b) <= 2);
+        if !near || Some(picked.of) != camera {
+            return false;
+        }
+        let next = (at + 1) % picked.layers.len();
+        self.choose_layer(next, more);
+        true
+    }
+
+    /// Selects the part of a layer under the last click, and turns about the place from then on.
+    pub fn choose_layer(&mut self, layer: usize, more: bool) {
+        let (Some((picked, at)), Some(document)) = (&mut self.picked, &mut self.document) else {
+            return;
+        };
+        let Some(found) = picked.layers.get(layer) else {
+            return;
+        };
+        *at = layer;
+        self.pivot = Some(found.position);
+        document.settle();
+        let selected = &mut document.seen.arrangement.selected;
+        if !more {
+            selected.clear();
+        }
+        selected.insert(found.part);
+        document.settle();
     }
 
     /// Everything seen, as a file that `pellucid render --session` draws.

@@ -9,7 +9,7 @@ use glam::DVec3;
 
 use super::failure::{Exit, Failure};
 use crate::math::views::{VIEW_ANGLE, VIEWS, ZOOM_FACTOR};
-use crate::math::{Camera, Projection};
+use crate::math::{Bounds, Camera, Projection};
 use crate::scene::{Scene, SceneCamera};
 
 /// Options for the camera.
@@ -65,18 +65,26 @@ impl CameraArgs {
     /// # Errors
     /// [`Exit::Usage`] if no view or camera has the name, or directions contradict each other.
     pub fn camera(&self, scene: &Scene, aspect: f64) -> Result<Camera, Failure> {
-        let mut camera = match (&self.camera, self.camera_position) {
+        self.camera_around(scene, &scene.bounds(), aspect)
+    }
+
+    /// The camera for a scene whose parts lie in `bounds`, as an arrangement may have put them.
+    ///
+    /// # Errors
+    /// As [`CameraArgs::camera`].
+    pub fn camera_around(&self, scene: &Scene, bounds: &Bounds, aspect: f64) -> Result<Camera, Failure> {
+        let camera = match (&self.camera, self.camera_position) {
             (Some(name), _) => match VIEWS.iter().find(|(view, ..)| view == name) {
-                Some(&(_, direction, up)) => self.framed(scene, aspect, direction, up),
-                None => self.of_file(scene, name)?,
+                Some(&(_, direction, up)) => self.framed(scene, bounds, aspect, direction, up),
+                None => self.of_file(scene, bounds, name)?,
             },
-            (None, Some(position)) => self.placed(scene, position - scene.origin),
+            (None, Some(position)) => self.placed(scene, bounds, position - scene.origin),
             (None, None) => {
                 let (_, usual, up) = VIEWS[VIEWS.len() - 1];
                 let direction = self.camera_direction.unwrap_or(usual).normalize();
                 // Straight up or down, y is no up.
                 let up = if direction.cross(up).length() < 1e-6 { DVec3::NEG_Z * -direction.y.signum() } else { up };
-                self.framed(scene, aspect, direction, up)
+                self.framed(scene, bounds, aspect, direction, up)
             }
         };
         let toward = camera.focal_point - camera.position;
@@ -86,23 +94,39 @@ impl CameraArgs {
         if camera.view_up.normalize().cross(camera.direction()).length() < 1e-9 {
             return Err(Failure::new(Exit::Usage, "the camera looks along its own view-up direction"));
         }
+        Ok(self.turned(camera))
+    }
+
+    /// Whether any option says something.
+    pub fn is_given(&self) -> bool {
+        format!("{self:?}") != format!("{:?}", CameraArgs::default())
+    }
+
+    /// Whether the options only turn a camera that is there.
+    pub fn only_turns(&self) -> bool {
+        let plain = CameraArgs { camera_azimuth_angle: None, camera_elevation_angle: None, ..self.clone() };
+        self.is_given() && !plain.is_given()
+    }
+
+    /// The camera turned by azimuth and elevation.
+    pub fn turned(&self, mut camera: Camera) -> Camera {
         if let Some(degrees) = self.camera_azimuth_angle {
             camera = camera.azimuth(degrees);
         }
         if let Some(degrees) = self.camera_elevation_angle {
             camera = camera.elevation(degrees);
         }
-        Ok(camera)
+        camera
     }
 
     fn fov(&self) -> f64 {
         self.camera_view_angle.unwrap_or(VIEW_ANGLE).to_radians()
     }
 
-    fn framed(&self, scene: &Scene, aspect: f64, direction: DVec3, up: DVec3) -> Camera {
+    fn framed(&self, scene: &Scene, bounds: &Bounds, aspect: f64, direction: DVec3, up: DVec3) -> Camera {
         let up = self.camera_view_up.unwrap_or(up);
         let zoom = self.camera_zoom_factor.unwrap_or(ZOOM_FACTOR);
-        let mut camera = Camera::framing(&scene.bounds(), direction, up, aspect, zoom, self.orthographic, self.fov());
+        let mut camera = Camera::framing(bounds, direction, up, aspect, zoom, self.orthographic, self.fov());
         if let Some(focal) = self.camera_focal_point {
             let shift = focal - scene.origin - camera.focal_point;
             camera.position += shift;
@@ -111,8 +135,8 @@ impl CameraArgs {
         camera
     }
 
-    fn placed(&self, scene: &Scene, position: DVec3) -> Camera {
-        let focal_point = self.camera_focal_point.map_or_else(|| scene.bounds().center(), |p| p - scene.origin);
+    fn placed(&self, scene: &Scene, bounds: &Bounds, position: DVec3) -> Camera {
+        let focal_point = self.camera_focal_point.map_or_else(|| bounds.center(), |p| p - scene.origin);
         let toward = (focal_point - position).normalize_or_zero();
         let up =
             self.camera_view_up.unwrap_or(if toward.cross(DVec3::Y).length() < 1e-6 { DVec3::NEG_Z } else { DVec3::Y });
@@ -120,7 +144,7 @@ impl CameraArgs {
         self.projected(Camera { position, focal_point, view_up: up, projection })
     }
 
-    fn of_file(&self, scene: &Scene, name: &str) -> Result<Camera, Failure> {
+    fn of_file(&self, scene: &Scene, bounds: &Bounds, name: &str) -> Result<Camera, Failure> {
         let named = scene.cameras.iter().find(|c| c.name == name);
         let numbered = || name.parse::<usize>().ok().and_then(|i| scene.cameras.get(i));
         let Some(SceneCamera { world_from_camera, projection, .. }) = named.or_else(numbered) else {
@@ -134,7 +158,7 @@ impl CameraArgs {
         };
         let position = world_from_camera.transform_point3(DVec3::ZERO);
         let forward = world_from_camera.transform_vector3(DVec3::NEG_Z).normalize_or(DVec3::NEG_Z);
-        let sphere = scene.bounds().bounding_sphere();
+        let sphere = bounds.bounding_sphere();
         // A file does not say how far it looks: to the depth of the scene's center, if that lies ahead.
         let ahead = (sphere.center - position).dot(forward);
         let distance = [ahead, sphere.radius, 1.0].into_iter().find(|&d| d > 0.0).unwrap_or(1.0);
@@ -199,7 +223,6 @@ mod tests {
     use glam::DMat4;
 
     use super::*;
-    use crate::math::Bounds;
     use crate::scene::Part;
 
     /// A box from (−1, −1, −1) to (1, 1, 1), re-based by (100, 0, 0).

@@ -82,10 +82,18 @@ impl LookArgs {
     /// # Errors
     /// [`Exit::Usage`] for what the command line says, [`Exit::Input`] for what files say.
     pub fn settings(&self) -> Result<Settings, Failure> {
+        self.settings_over(Settings::default())
+    }
+
+    /// The same, over settings that count less than anything here. A settings file says everything, so it replaces them.
+    ///
+    /// # Errors
+    /// As [`LookArgs::settings`].
+    pub fn settings_over(&self, base: Settings) -> Result<Settings, Failure> {
         let usage = |e: &dyn std::fmt::Display| Failure::new(Exit::Usage, e);
         let mut settings = match &self.settings {
             Some(path) => read_settings(path)?,
-            None => Settings::default(),
+            None => base,
         };
         if let Some(name) = &self.preset {
             apply_preset(&mut settings, name)?;
@@ -113,6 +121,9 @@ impl LookArgs {
             settings.set(path, value).map_err(|e| usage(&format!("--set: {e}")))?;
         }
         parse_background(&settings.image.background).map_err(|e| usage(&e))?;
+        if transfer::hex(&settings.outline.color).is_none() {
+            return Err(usage(&format!("outline.color '{}': expected the form #rrggbb", settings.outline.color)));
+        }
         check_transfer(&settings)?;
         Ok(settings)
     }

@@ -15,6 +15,7 @@ mod options;
 mod output;
 mod render;
 mod tradeoff;
+mod view;
 
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
@@ -28,10 +29,11 @@ use crate::export::image::{Difference, LinearImage, compare, parse_background};
 use crate::export::png::{read_png, write_png};
 use crate::render::FrameReport;
 use crate::scene::builtin;
+use crate::session::camera_in_scene;
 use crate::settings::{OpacityModel, Settings};
 use crate::transfer::{self, OpacityFunction, TransferSource};
 pub use failure::{Exit, Failure};
-use options::{Cli, Command, PlanArgs, RenderArgs, ViewArgs};
+use options::{Cli, Command, PlanArgs, RenderArgs};
 use output::Progress;
 use render::{Session, summary};
 
@@ -162,17 +164,18 @@ struct Stats {
 }
 
 fn render(args: &RenderArgs) -> Result<(), Failure> {
-    let dash = Some(Path::new("-"));
-    if args.output.as_deref() == dash && args.stats.as_deref() == dash {
-        return Err(Failure::new(Exit::Usage, "--output and --stats cannot both go to standard output"));
-    }
-    let absolute = |path: &Option<PathBuf>| path.as_ref().and_then(|p| std::path::absolute(p).ok());
-    if args.output.is_some() && absolute(&args.output) == absolute(&args.stats) {
-        return Err(Failure::new(Exit::Usage, "--output and --stats name the same file"));
-    }
-    let ViewArgs { file, size, look, camera } = &args.view;
-    for target in args.output.iter().chain(&args.stats) {
-        output::check(target)?;
+    let targets = [("--output", &args.output), ("--stats", &args.stats), ("--save-session", &args.save_session)];
+    let written: Vec<(&str, &PathBuf)> = targets.iter().filter_map(|(o, path)| Some((*o, path.as_ref()?))).collect();
+    for (i, (option, path)) in written.iter().enumerate() {
+        for (other, second) in &written[i + 1..] {
+            let fault = match std::path::absolute(path).ok() == std::path::absolute(second).ok() {
+                true if path.as_path() == Path::new("-") => "cannot both go to standard output",
+                true => "name the same file",
+                false => continue,
+            };
+            return Err(Failure::new(Exit::Usage, format!("{option} and {other} {fault}")));
+        }
+        output::check(path)?;
     }
     if let Some(output) = args.output.as_ref().filter(|o| o.extension().is_some_and(|e| !e.eq_ignore_ascii_case("png")))
     {
@@ -180,16 +183,22 @@ fn render(args: &RenderArgs) -> Result<(), Failure> {
             format!("--output {}: pictures are written as PNG, so the name must end in .png", output.display());
         return Err(Failure::new(Exit::Usage, message));
     }
-    let settings = look.settings()?;
-    let background = parse_background(&settings.image.background).map_err(|e| Failure::new(Exit::Usage, e))?;
-    let takes = takes(settings, args.compare)?;
+    let asked = args.view.asked()?;
+    let background = parse_background(&asked.settings.image.background).map_err(|e| Failure::new(Exit::Usage, e))?;
+    let takes = takes(asked.settings.clone(), args.compare)?;
     let reference = args.reference.as_deref().map(read_reference).transpose()?;
 
     let progress = Progress::new();
-    let scene = load::scene(file, &progress)?;
-    let camera = camera.camera(&scene, f64::from(size[0]) / f64::from(size[1]))?;
+    let (scene, seen) = asked.load(&progress)?;
+    if let Some(path) = &args.save_session {
+        output::write(path, view::session_text(&seen, &scene, path)?.as_bytes())?;
+        if args.output.is_none() && args.stats.is_none() && args.reference.is_none() {
+            return Ok(());
+        }
+    }
+    let (file, size, camera) = (&seen.file, &seen.size, camera_in_scene(&seen.camera, &scene));
     progress.stage("starting the adapter");
-    let mut session = Session::open(&scene)?;
+    let mut session = Session::open_arranged(&scene, &seen.arrangement)?;
     let timing = if args.stats.is_some() { session.time_passes() } else { "not measured" };
     let mut images = Vec::new();
     let mut pictures = Vec::new();
@@ -253,12 +262,10 @@ fn judge(path: &Path, png: &[u8], reference: &LinearImage, threshold: f64) -> Re
 }
 
 fn plan(args: &PlanArgs) -> Result<(), Failure> {
-    let ViewArgs { file, size, look, camera } = &args.view;
-    let settings = look.settings()?;
     let progress = Progress::new();
-    let scene = load::scene(file, &progress)?;
-    let camera = camera.camera(&scene, f64::from(size[0]) / f64::from(size[1]))?;
-    let plan = Session::open(&scene)?.plan(&camera, &settings, *size)?;
+    let (scene, seen) = args.view.asked()?.load(&progress)?;
+    let camera = camera_in_scene(&seen.camera, &scene);
+    let plan = Session::open_arranged(&scene, &seen.arrangement)?.plan(&camera, &seen.settings, seen.size)?;
     drop(progress);
     let text = if args.json { output::json(&plan)? } else { format!("{}\n", plan.to_string().trim_end()) };
     output::print(text.as_bytes())

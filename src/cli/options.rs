@@ -10,6 +10,7 @@ use super::camera::CameraArgs;
 use super::hard_cases::HardCasesArgs;
 use super::looks::LookArgs;
 use super::tradeoff::TradeoffArgs;
+use super::view::PartArgs;
 
 /// Shows the inside of 3D models without losing their shape.
 #[derive(Parser, Clone, Debug)]
@@ -81,17 +82,24 @@ pub enum Command {
 /// What is looked at and how.
 #[derive(Args, Clone, Debug)]
 pub struct ViewArgs {
-    /// A model, or builtin:NAME (`pellucid scenes` lists them)
-    pub file: String,
-    /// Picture size in pixels
-    #[arg(long, value_name = "WxH", value_parser = size, default_value = "1000x1000")]
-    pub size: [u32; 2],
+    /// A model, or builtin:NAME (`pellucid scenes` lists them); a session names its own
+    #[arg(required_unless_present = "session")]
+    pub file: Option<String>,
+    /// A session that was saved: model, camera, settings and parts; options beside it count more
+    #[arg(long, value_name = "FILE")]
+    pub session: Option<PathBuf>,
+    /// Picture size in pixels [default: 1000x1000]
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub size: Option<[u32; 2]>,
     /// The look.
     #[command(flatten)]
     pub look: LookArgs,
     /// The camera.
     #[command(flatten)]
     pub camera: CameraArgs,
+    /// The parts.
+    #[command(flatten)]
+    pub parts: PartArgs,
 }
 
 /// Options of `render`.
@@ -101,7 +109,7 @@ pub struct RenderArgs {
     #[command(flatten)]
     pub view: ViewArgs,
     /// The PNG to write; - is standard output
-    #[arg(help_heading = "Output", short, long, value_name = "FILE", required_unless_present_any = ["reference", "stats"])]
+    #[arg(help_heading = "Output", short, long, value_name = "FILE", required_unless_present_any = ["reference", "stats", "save_session"])]
     pub output: Option<PathBuf>,
     /// Bits of a channel
     #[arg(help_heading = "Output", long, value_name = "8|16", value_parser = bits, default_value = "8")]
@@ -112,6 +120,9 @@ pub struct RenderArgs {
     /// Write layer counts, milliseconds per pass and the plan as JSON; - is standard output
     #[arg(help_heading = "Output", long, value_name = "FILE")]
     pub stats: Option<PathBuf>,
+    /// Write what the options mean as a session for --session; - is standard output
+    #[arg(help_heading = "Output", long, value_name = "FILE")]
+    pub save_session: Option<PathBuf>,
     /// Compare with this PNG, and exit with 5 if the mean difference is above the threshold
     #[arg(help_heading = "Output", long, value_name = "IMAGE")]
     pub reference: Option<PathBuf>,
@@ -209,6 +220,8 @@ mod tests {
             "render a.glb --reference b.png --threshold 2",
             "render a.glb -o b.png --set nonsense",
             "render a.glb -o b.png --k many",
+            "render a.glb -o b.png --explode -1",
+            "render -o b.png",
             "paint a.glb",
             "tradeoff a.glb",
             "tradeoff a.glb -o d --limit-seconds 0",
@@ -223,6 +236,9 @@ mod tests {
             "render a.glb --reference b.png --threshold 0.1",
             "render a.glb --stats -",
             "render builtin:gearbox -o - --k 8 --camera isometric --set a.b=c --set d=e --orthographic --bits 16",
+            "render --session s.toml -o b.png --hide housing --ghost a/b --isolate gear --select gear --explode 0.5",
+            "render a.glb --save-session s.toml",
+            "plan --session s.toml",
             "plan a.glb --json --preset paper",
             "inspect a.glb",
             "hard-cases t01 --json",

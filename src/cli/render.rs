@@ -9,7 +9,7 @@ use crate::gpu::{AdapterFacts, Gpu, GpuError, GpuOptions, Timing};
 use crate::math::Camera;
 use crate::plan::{Capture, FramePlan};
 use crate::render::{Frame, FrameReport, GpuScene, RenderError, Renderer};
-use crate::scene::Scene;
+use crate::scene::{Arrangement, Scene};
 use crate::settings::Settings;
 
 /// A scene on an adapter.
@@ -28,6 +28,16 @@ impl Session {
         let mut renderer = Renderer::new(gpu).map_err(failed)?;
         let scene = renderer.load(scene).map_err(failed)?;
         Ok(Session { renderer, scene })
+    }
+
+    /// The same, with the scene's parts as an arrangement shows them.
+    ///
+    /// # Errors
+    /// As [`Session::open`].
+    pub fn open_arranged(scene: &Scene, arrangement: &Arrangement) -> Result<Session, Failure> {
+        let mut session = Session::open(scene)?;
+        session.renderer.arrange(&mut session.scene, scene, arrangement).map_err(failed)?;
+        Ok(session)
     }
 
     /// Renders a picture.

@@ -15,7 +15,7 @@
 //! | opacity | [`stylize`] | store, lit colour, κ, tables | colour and alpha |
 //! | composite | [`composite`] | store, colour and alpha | the image |
 //!
-//! [`compare`] holds each stage of a GPU against these. [`view`] reads camera and image size as the shaders do; [`analytic`] makes stores of surfaces whose curvature is
+//! An [`arranged`] scene is a scene again. [`compare`] holds each stage of a GPU against these. [`view`] reads camera and image size as the shaders do; [`analytic`] makes stores of surfaces whose curvature is
 //! known in closed form.
 //!
 //! # Where either answer passes
@@ -26,6 +26,7 @@
 //! Noted in the module that had to choose, under *Choices*.
 
 pub mod analytic;
+pub mod arranged;
 pub mod buckets;
 pub mod compare;
 pub mod composite;

@@ -15,8 +15,8 @@ use glam::DMat4;
 use super::{Context, InstanceUniform};
 use crate::gpu::{Gpu, GpuError, RasterKernel, RasterSpec, ShaderSpec};
 use crate::math::Sphere;
-use crate::plan::Pass;
-use crate::scene::{Arrangement, Scene, SceneStats};
+use crate::plan::{FramePlan, Pass};
+use crate::scene::{Arrangement, SceneStats};
 
 /// In which order parts are drawn. The picture does not depend on it, except through the ties of packed keys.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -67,6 +67,8 @@ struct GpuPart {
     first_triangle: u32,
     world_from_part: DMat4,
     sphere: Sphere,
+    is_drawn: bool,
+    is_selected: bool,
 }
 
 /// Which vertex data a geometry pass reads.
@@ -114,17 +116,7 @@ fn instance_of(part: &GpuPart, index: u32, view_from_world: &DMat4) -> InstanceU
 }
 
 impl GpuScene {
-    /// Puts the parts where an arrangement that fits the scene wants them.
-    ///
-    /// # Errors
-    /// [`GpuError`] of the device.
-    pub fn arrange(&mut self, gpu: &Gpu, scene: &Scene, arrangement: &Arrangement) -> Result<(), GpuError> {
-        let _ = scene;
-        self.arrangement = arrangement.clone();
-        gpu.check()
-    }
-
-    /// Instances of all parts for a view, parts of one mesh together.
+    /// Instances of all parts that are drawn for a view, parts of one mesh together.
     ///
     /// # Errors
     /// [`GpuError::OutOfMemory`].
@@ -135,6 +127,25 @@ impl GpuScene {
         view_from_world: &DMat4,
         order: DrawOrder,
     ) -> Result<Instances, GpuError> {
+        self.instances_where(gpu, layout, view_from_world, order, &|_| true)
+    }
+
+    /// [`GpuScene::instances`], but only of parts whose bounding spheres, in scene space, are wanted.
+    ///
+    /// # Errors
+    /// [`GpuError::OutOfMemory`].
+    pub fn instances_where(
+        &self,
+        gpu: &Gpu,
+        layout: &wgpu::BindGroupLayout,
+        view_from_world: &DMat4,
+        order: DrawOrder,
+        is_wanted: &dyn Fn(&Sphere) -> bool,
+    ) -> Result<Instances, GpuError> {
+        let is_drawn = |part: &u32| {
+            let part = &self.parts[*part as usize];
+            part.is_drawn && is_wanted(&part.sphere)
+        };
         let nearest = |part: u32| {
             let sphere = self.parts[part as usize].sphere;
             -view_from_world.transform_point3(sphere.center).z - sphere.radius
@@ -143,9 +154,9 @@ impl GpuScene {
             .parts_by_mesh
             .iter()
             .enumerate()
-            .filter(|(_, parts)| !parts.is_empty())
-            .map(|(mesh, parts)| {
-                let mut parts = parts.clone();
+            .map(|(mesh, parts)| (mesh, parts.iter().copied().filter(is_drawn).collect()))
+            .filter(|(_, parts): &(usize, Vec<u32>)| !parts.is_empty())
+            .map(|(mesh, mut parts)| {
                 match order {
                     DrawOrder::FrontToBack => parts.sort_by(|&a, &b| nearest(a).total_cmp(&nearest(b))),
                     DrawOrder::Shuffled(seed) => upload::shuffle(&mut parts, seed ^ mesh as u64),
@@ -177,9 +188,32 @@ impl GpuScene {
         layout: &wgpu::BindGroupLayout,
         view_from_world: &DMat4,
     ) -> Result<Instances, GpuError> {
-        let instances: Vec<_> =
-            self.parts.iter().enumerate().map(|(i, p)| instance_of(p, i as u32, view_from_world)).collect();
-        let runs = self.parts.iter().enumerate().map(|(i, p)| (p.mesh, i as u32..i as u32 + 1)).collect();
+        self.instances_of(gpu, layout, view_from_world, |part| part.is_drawn)
+    }
+
+    /// Instances of the selected parts that are drawn, as [`GpuScene::instances_in_part_order`].
+    ///
+    /// # Errors
+    /// [`GpuError::OutOfMemory`].
+    pub fn instances_selected(
+        &self,
+        gpu: &Gpu,
+        layout: &wgpu::BindGroupLayout,
+        view_from_world: &DMat4,
+    ) -> Result<Instances, GpuError> {
+        self.instances_of(gpu, layout, view_from_world, |part| part.is_drawn && part.is_selected)
+    }
+
+    fn instances_of(
+        &self,
+        gpu: &Gpu,
+        layout: &wgpu::BindGroupLayout,
+        view_from_world: &DMat4,
+        is_wanted: impl Fn(&GpuPart) -> bool,
+    ) -> Result<Instances, GpuError> {
+        let wanted = || self.parts.iter().enumerate().filter(|(_, p)| is_wanted(p));
+        let instances: Vec<_> = wanted().map(|(i, p)| instance_of(p, i as u32, view_from_world)).collect();
+        let runs = wanted().enumerate().map(|(at, (_, p))| (p.mesh, at as u32..at as u32 + 1)).collect();
         self.upload_instances(gpu, layout, &instances, runs)
     }
 
@@ -215,6 +249,11 @@ fn vertex_module(vertices: Vertices, textured: bool) -> (&'static str, u32) {
 /// The vertex stages of a geometry pass: for primitives without and with textures.
 pub fn vertex_stages(vertices: Vertices) -> [ShaderSpec; 2] {
     [false, true].map(|textured| ShaderSpec::new(vertex_module(vertices, textured).0))
+}
+
+/// The module that gives parts the colours of the user's, where there are any.
+pub fn recolor(plan: &FramePlan) -> &'static str {
+    if plan.recolored { "scene/recolor_by_part" } else { "scene/recolor_none" }
 }
 
 /// A fragment stage: adds its modules to a shader whose root is the vertex module.
@@ -336,6 +375,28 @@ pub fn draw_opaque(
     run_pass(context, scene, Pass::Opaque, Vertices::Surface, &pipelines, target, Some(depth))
 }
 
+/// The pixels that the drawn parts cover, written to `target` (R8Unorm) without any depth test.
+///
+/// # Errors
+/// [`GpuError`] if a shader does not compile or a resource is missing.
+pub fn draw_mask(
+    context: &mut Context<'_>,
+    scene: &GpuScene,
+    target: &wgpu::TextureView,
+    fragment: FragmentStage<'_>,
+) -> Result<(), GpuError> {
+    let base = RasterSpec {
+        streams: 0,
+        textured: false,
+        target: wgpu::TextureFormat::R8Unorm,
+        writes_color: true,
+        depth_test: false,
+        blend: false,
+    };
+    let pipelines = pipelines(context, scene, Vertices::Depth, fragment, base)?;
+    run_pass(context, scene, Pass::OutlineMask, Vertices::Depth, &pipelines, target, None)
+}
+
 /// Unsorted blending of everything into `target` (Rgba16Float): the lower bound that benchmarks compare with.
 ///
 /// # Errors
@@ -375,11 +436,11 @@ fn run_pass(
             None => None,
         },
     };
-    let (width, rows, first_row) = (context.width(), context.rows(), context.band.first_row);
+    let (columns, rows, first_row) = (context.columns.clone(), context.rows(), context.band.first_row);
     let instances = Arc::clone(&context.instances);
-    let clear = matches!(pass, Pass::Opaque);
+    let clear = matches!(pass, Pass::Opaque | Pass::OutlineMask);
     let mut render_pass = context.recorder.raster(pass, target, clear, depth);
-    render_pass.set_scissor_rect(0, first_row, width, rows);
+    render_pass.set_scissor_rect(columns.start, first_row, columns.end - columns.start, rows);
     draw_runs(&mut render_pass, scene, &instances, vertices, pipelines, &groups);
     drop(render_pass);
     context.recorder.end_pass(pass)

@@ -16,8 +16,8 @@ pub mod store;
 mod uniforms;
 
 pub use uniforms::{
-    BlendParameters, CurvatureParameters, FrameUniform, InstanceUniform, MaterialUniform, PartFacts, ShadeParameters,
-    StoreLayout, TransferParameters,
+    BlendParameters, CurvatureParameters, FrameUniform, InstanceUniform, MaterialUniform, OutlineParameters, PartFacts,
+    ShadeParameters, StoreLayout, TransferParameters,
 };
 
 use crate::gpu::{Gpu, GpuError, Recorder, Resources, ShaderSpec, Shaders};
@@ -49,6 +49,8 @@ pub struct Context<'a> {
     pub plan: &'a FramePlan,
     /// The rows at work.
     pub band: Band,
+    /// The columns into which geometry is drawn.
+    pub columns: std::ops::Range<u32>,
     /// Group 0.
     pub frame: wgpu::BindGroup,
     /// Buffers by name.

@@ -4,7 +4,7 @@
 
 use crate::gpu::{GpuError, ShaderSpec};
 use crate::passes::Context;
-use crate::passes::geometry::{GpuScene, draw_opaque, draw_unsorted};
+use crate::passes::geometry::{GpuScene, draw_opaque, draw_unsorted, recolor};
 use crate::passes::store::StoreModules;
 use crate::plan::FramePlan;
 use crate::scene::hard_case::{CaseCamera, Contrast, HardCase, Measure, Method, Source};
@@ -30,7 +30,7 @@ pub const CASES: &[HardCase] = &[HardCase {
 
 /// The shader, over a vertex stage.
 pub fn spec(plan: &FramePlan, vertex: ShaderSpec) -> ShaderSpec {
-    StoreModules::of(plan).normals(vertex.with("passes/opaque"))
+    StoreModules::of(plan).normals(vertex.with("passes/opaque").with(recolor(plan)))
 }
 
 /// Draws the nearest surfaces into `target` (Rg32Uint).

@@ -7,6 +7,7 @@
 use std::collections::HashSet;
 
 use super::capture::{bucketed_k_buffer, buckets, compacted, sort};
+use super::composite::outline;
 use super::features::{curvature, neighbours};
 use super::geometry::{Vertices, vertex_stages};
 use super::store::StoreModules;
@@ -36,6 +37,8 @@ pub struct PassShader {
     pub entries: &'static [&'static str],
     /// Whether the plan keeps a tail, which may bind one storage buffer more.
     pub tail: bool,
+    /// Whether parts have looks of their own, which then may bind one more.
+    pub looks: bool,
     /// Whether the plan asks the adapter for 64-bit atomics.
     pub atomics_64: bool,
 }
@@ -89,6 +92,8 @@ fn shaders_of(plan: &FramePlan, pass: Pass) -> Vec<Used> {
         Pass::Shade => one(shade::spec(plan)),
         Pass::Stylize => one(opacity::spec(plan)),
         Pass::Blend => one(composite::blend_spec(plan)),
+        Pass::OutlineMask => drawn(Vertices::Depth, &outline::mask_spec),
+        Pass::Outline => one(outline::outline_spec()),
         Pass::Accumulate => one(composite::accumulate_spec()),
     }
 }
@@ -97,7 +102,13 @@ fn shaders_of(plan: &FramePlan, pass: Pass) -> Vec<Used> {
 pub fn all_plans() -> Vec<FramePlan> {
     let capabilities = Capabilities { max_storage_buffers: 32, atomic_min_64: true, ..Capabilities::default() };
     let empty = SceneStats::of(&Scene::default());
-    let scenes = [SceneStats { parts: 1, blended_materials: 1, ..empty.clone() }, SceneStats { parts: 9, ..empty }];
+    let plain = SceneStats { parts: 9, ..empty.clone() };
+    let scenes = [
+        SceneStats { parts: 1, blended_materials: 1, ..empty },
+        SceneStats { recolored_parts: 1, selected_parts: 1, ..plain.clone() },
+        SceneStats { faded_parts: 1, recolored_parts: 1, ..plain.clone() },
+        plain,
+    ];
     let opacities = all_opacities();
     let mut plans: Vec<FramePlan> = Vec::new();
     let mut seen = HashSet::new();
@@ -109,7 +120,10 @@ pub fn all_plans() -> Vec<FramePlan> {
                     continue;
                 };
                 let passes: Vec<Pass> = plan.passes.iter().map(|p| p.pass).collect();
-                let key = format!("{:?}", (plan.capture, plan.normals, plan.features, plan.opacity, passes));
+                let key = format!(
+                    "{:?}",
+                    (plan.capture, plan.normals, plan.features, plan.opacity, plan.faded, plan.recolored, passes)
+                );
                 if seen.insert(key) {
                     plans.push(plan);
                 }
@@ -170,7 +184,14 @@ fn all_settings() -> Vec<Settings> {
 /// Every shader of every plan, each once, and those of measurements.
 pub fn all_shaders() -> Vec<PassShader> {
     let unsorted = drawn(Vertices::Surface, &opaque::unsorted_spec).into_iter();
-    let measured = |(spec, entries)| PassShader { pass: Pass::Opaque, spec, entries, tail: false, atomics_64: false };
+    let measured = |(spec, entries)| PassShader {
+        pass: Pass::Opaque,
+        spec,
+        entries,
+        tail: false,
+        looks: false,
+        atomics_64: false,
+    };
     let mut all: Vec<PassShader> = unsorted.map(measured).collect();
     let mut seen = HashSet::new();
     for plan in all_plans() {
@@ -178,7 +199,8 @@ pub fn all_shaders() -> Vec<PassShader> {
         let atomics_64 = matches!(plan.capture, Capture::BucketedKBuffer { key: KeyFormat::Wide64, .. });
         for planned in &plan.passes {
             for (spec, entries) in shaders_of(&plan, planned.pass) {
-                let shader = PassShader { pass: planned.pass, spec, entries, tail, atomics_64 };
+                let looks = plan.faded || plan.recolored;
+                let shader = PassShader { pass: planned.pass, spec, entries, tail, looks, atomics_64 };
                 if seen.insert(shader.clone()) {
                     all.push(shader);
                 }

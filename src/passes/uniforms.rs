@@ -94,8 +94,10 @@ pub struct PartFacts {
     pub inverse_radius: f32,
     /// That radius, scene units.
     pub radius: f32,
-    /// Unused.
-    pub _pad: u32,
+    /// Opacity factor as the bits of a float from 0 to 1, whose two highest bits are free: bit 31 solid, bit 30 ghosted.
+    pub look: u32,
+    /// Linear base colour of the user's; w: 1 if there is one.
+    pub color: [f32; 4],
 }
 
 /// `CurvatureParameters` in `passes/features/curvature.wgsl`.
@@ -138,8 +140,8 @@ pub struct TransferParameters {
     pub gain: f32,
     /// Opacity of every layer under the constant model.
     pub constant: f32,
-    /// Unused.
-    pub _pad: u32,
+    /// Multiplies the opacity of ghosted parts.
+    pub ghost: f32,
 }
 
 /// `BlendParameters` in `passes/composite/blend.wgsl`.
@@ -148,6 +150,20 @@ pub struct TransferParameters {
 pub struct BlendParameters {
     /// Multiplies the opacity of every layer.
     pub opacity: f32,
+    /// Multiplies the opacity of ghosted parts.
+    pub ghost: f32,
+    /// Unused.
+    pub _pad: [u32; 2],
+}
+
+/// `OutlineParameters` in `passes/composite/outline.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct OutlineParameters {
+    /// Linear colour, opaque.
+    pub color: [f32; 4],
+    /// Width of the line, pixels.
+    pub width: f32,
     /// Unused.
     pub _pad: [u32; 3],
 }

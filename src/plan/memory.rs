@@ -3,7 +3,6 @@
 use serde::Serialize;
 
 use super::{Capabilities, Capture, FramePlan, Pass, Refusal, ViewStats};
-use crate::scene::SceneStats;
 use crate::settings::KeyFormat;
 
 /// A buffer that the frame needs.
@@ -84,10 +83,10 @@ pub(super) const WIDEST_COLUMN: u64 = 8;
 /// Layers a pixel that an estimate assumes when nothing is known: what the measured assemblies have over covered pixels.
 const LAYERS_EXPECTED: u64 = 9;
 
-/// Fills in buffers, apron and bands.
+/// Fills in buffers and bands: those of the whole image, or of a picked row and its apron.
 pub(super) fn fill(
     plan: &mut FramePlan,
-    _scene: &SceneStats,
+    picked: Option<u32>,
     view: &ViewStats,
     capabilities: &Capabilities,
 ) -> Result<(), Refusal> {
@@ -104,7 +103,14 @@ pub(super) fn fill(
     // The smallest band: a row and its apron.
     let needed = (1 + 2 * u64::from(plan.apron)).min(u64::from(height));
     let image = PlannedBuffer { name: "image", bytes: 16 * pixels, exact: true };
-    let mut buffers = vec![image];
+    let mut buffers = if picked.is_some() { Vec::new() } else { vec![image] };
+    let bands = |height: u32, rows: u64, apron: u32| match picked {
+        Some(row) => vec![band_around(row, row + 1, height, apron)],
+        None => equal_bands(height, rows, apron),
+    };
+    if plan.runs(Pass::OutlineMask) {
+        buffers.push(PlannedBuffer { name: "outline_mask", bytes: pixels, exact: true });
+    }
     if plan.samples > 1 {
         buffers.push(PlannedBuffer { name: "sums", bytes: 32 * pixels, exact: true });
     }
@@ -122,7 +128,7 @@ pub(super) fn fill(
                 let fits = (1..k).rev().find(|&k| limit / row(k) >= needed);
                 return Err(Refusal::RowTooLarge { k, width, rows: needed, bytes: needed * row(k), limit, fits });
             }
-            plan.bands = equal_bands(height, rows, plan.apron);
+            plan.bands = bands(height, rows, plan.apron);
             let band_pixels =
                 plan.bands.iter().map(|b| b.end_row - b.first_row).max().unwrap_or(0) as u64 * u64::from(width);
             let slots = band_pixels * u64::from(k);
@@ -142,9 +148,8 @@ pub(super) fn fill(
         }
         Capture::Compacted => {
             let fragments = view.fragments.unwrap_or(LAYERS_EXPECTED * pixels);
-            let bands = (fragments * WIDEST_COLUMN).div_ceil(limit).max(1);
-            plan.bands =
-                equal_bands(height, (u64::from(height) / bands).max(1) + 2 * u64::from(plan.apron), plan.apron);
+            let count = (fragments * WIDEST_COLUMN).div_ceil(limit).max(1);
+            plan.bands = bands(height, (u64::from(height) / count).max(1) + 2 * u64::from(plan.apron), plan.apron);
             let in_band = fragments.min(limit / WIDEST_COLUMN);
             let exact = false;
             // The pixel table has an entry more than there are pixels.
@@ -154,7 +159,7 @@ pub(super) fn fill(
                 let fits = ((limit / 4).saturating_sub(1) / needed) as u32;
                 return Err(Refusal::TableTooLarge { width, rows: needed, bytes, limit, fits });
             }
-            plan.most_rows = most_rows.min(u64::from(height)) as u32;
+            plan.most_rows = most_rows.min(if picked.is_some() { needed } else { u64::from(height) }) as u32;
             let pixels = u64::from(plan.most_rows) * u64::from(width);
             buffers.extend(columns(plan).into_iter().map(|(name, b)| PlannedBuffer {
                 name,

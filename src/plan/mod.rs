@@ -5,6 +5,7 @@
 //! effects a scene calls for* lives here: constant functions need no neighbours, opaque surfaces need no capture.
 
 mod memory;
+mod pass;
 mod refusal;
 mod report;
 #[cfg(test)]
@@ -13,6 +14,7 @@ mod tests;
 use serde::Serialize;
 
 pub use memory::{Band, PlannedBuffer, bands_of_rows};
+pub use pass::Pass;
 pub use refusal::Refusal;
 
 use crate::math::Camera;
@@ -22,109 +24,6 @@ use crate::settings::{
     Settings, SlotSearch, Tail,
 };
 use crate::transfer::TransferFunction;
-
-/// Everything that can run in a frame, in the order in which it would; data storage comes before the buckets where it does
-/// not need them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Pass {
-    /// Nearest surfaces by the depth test, lit at once.
-    Opaque,
-    /// Brings the opaque pass's colours into the image.
-    ShowOpaque,
-    /// Empties the k-buffer's rows.
-    Clear,
-    /// The k nearest keys of every pixel (Murray 2016, step 1).
-    ZInsertion,
-    /// Layers stored, merged, dropped.
-    CountLayers,
-    /// Fragments of every pixel.
-    Count,
-    /// Where each pixel's layers begin.
-    PrefixSum,
-    /// Keys and surfaces in order of arrival.
-    Append,
-    /// Order by depth.
-    Sort,
-    /// Surfaces in that order.
-    Gather,
-    /// The part of every layer.
-    PartLookup,
-    /// Layers by part (Murray 2016, step 2).
-    ZReordering,
-    /// Hash table of parts (Murray 2016, step 3).
-    BucketCreation,
-    /// Surfaces of the stored keys (Murray 2016, step 4).
-    DataStorage,
-    /// Best candidate in each direction.
-    NeighbourCandidates,
-    /// Reverse check.
-    NeighbourLinks,
-    /// Curvature.
-    Curvature,
-    /// Light.
-    Shade,
-    /// Colour and opacity by transfer functions.
-    Stylize,
-    /// Composition.
-    Blend,
-    /// Average of jittered frames.
-    Accumulate,
-}
-
-impl Pass {
-    /// All passes, in order.
-    pub const ALL: [Pass; 21] = [
-        Pass::Opaque,
-        Pass::ShowOpaque,
-        Pass::Clear,
-        Pass::ZInsertion,
-        Pass::CountLayers,
-        Pass::Count,
-        Pass::PrefixSum,
-        Pass::Append,
-        Pass::Sort,
-        Pass::Gather,
-        Pass::PartLookup,
-        Pass::ZReordering,
-        Pass::BucketCreation,
-        Pass::DataStorage,
-        Pass::NeighbourCandidates,
-        Pass::NeighbourLinks,
-        Pass::Curvature,
-        Pass::Shade,
-        Pass::Stylize,
-        Pass::Blend,
-        Pass::Accumulate,
-    ];
-
-    /// Name as in reports.
-    pub fn name(self) -> &'static str {
-        match self {
-            Pass::Opaque => "opaque",
-            Pass::ShowOpaque => "show opaque",
-            Pass::Clear => "clear",
-            Pass::ZInsertion => "z insertion",
-            Pass::CountLayers => "count layers",
-            Pass::Count => "count",
-            Pass::PrefixSum => "prefix sum",
-            Pass::Append => "append",
-            Pass::Sort => "sort",
-            Pass::Gather => "gather",
-            Pass::PartLookup => "part lookup",
-            Pass::ZReordering => "z reordering",
-            Pass::BucketCreation => "bucket creation",
-            Pass::DataStorage => "data storage",
-            Pass::NeighbourCandidates => "neighbour candidates",
-            Pass::NeighbourLinks => "neighbour links",
-            Pass::Curvature => "curvature",
-            Pass::Shade => "shade",
-            Pass::Stylize => "stylize",
-            Pass::Blend => "blend",
-            Pass::Accumulate => "accumulate",
-        }
-    }
-}
 
 /// What a plan may assume of the adapter.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -287,6 +186,10 @@ pub struct FramePlan {
     pub features: Option<Features>,
     /// Opacity of the layers.
     pub opacity: Opacity,
+    /// Whether parts have opacities of their own: ghosted, translucent, solid.
+    pub faded: bool,
+    /// Whether parts have colours of their own.
+    pub recolored: bool,
     /// What runs, in order.
     pub passes: Vec<PlannedPass>,
     /// What does not.
@@ -313,11 +216,15 @@ impl FramePlan {
     }
 }
 
-/// Storage buffers that the largest pass binds, without and with a tail.
-pub fn storage_buffers(tail: bool) -> u32 {
-    // Links by buckets. Data storage binds the tail's sums and the tables of the transfer functions that weigh them. A test
-    // counts.
-    if tail { 11 } else { 10 }
+/// Storage buffers that the largest pass binds, without and with a tail, and where parts have looks of their own.
+pub fn storage_buffers(tail: bool, looks: bool) -> u32 {
+    // Links by buckets. Data storage binds the tail's sums and the tables of the transfer functions that weigh them, and the
+    // table of parts for their looks. A test counts.
+    match (tail, looks) {
+        (false, _) => 10,
+        (true, false) => 11,
+        (true, true) => 12,
+    }
 }
 
 /// Plans a frame.
@@ -347,6 +254,35 @@ pub fn plan_with(
     capabilities: &Capabilities,
     size: [u32; 2],
 ) -> Result<FramePlan, Refusal> {
+    plan_rows(settings, opacity, scene, view, capabilities, size, None)
+}
+
+/// Plans the layers of one pixel in `row` of a frame, and of as many rows around it as features reach: everything that the
+/// frame does up to the colours of its layers. Opaque frames are captured too, and curvature is always computed.
+///
+/// # Errors
+/// As [`plan`].
+pub fn plan_pick(
+    settings: &Settings,
+    transfer: &TransferFunction,
+    scene: &SceneStats,
+    view: &ViewStats,
+    capabilities: &Capabilities,
+    size: [u32; 2],
+    row: u32,
+) -> Result<FramePlan, Refusal> {
+    plan_rows(settings, choose_opacity(settings, transfer), scene, view, capabilities, size, Some(row))
+}
+
+fn plan_rows(
+    settings: &Settings,
+    opacity: Opacity,
+    scene: &SceneStats,
+    view: &ViewStats,
+    capabilities: &Capabilities,
+    size: [u32; 2],
+    picked: Option<u32>,
+) -> Result<FramePlan, Refusal> {
     let [width, height] = size;
     if width == 0 || height == 0 {
         return Err(Refusal::EmptyImage { width, height });
@@ -356,14 +292,18 @@ pub fn plan_with(
     }
     let tail = settings.capture.kind == CaptureKind::BucketedKBuffer
         && settings.capture.bucketed_k_buffer.tail == Tail::Average;
-    let needed = storage_buffers(tail);
+    let looks = scene.faded_parts + scene.solid_parts + scene.recolored_parts > 0;
+    let needed = storage_buffers(tail, looks);
     if capabilities.max_storage_buffers < needed {
         let limit = capabilities.max_storage_buffers;
-        let without_tail = Some(storage_buffers(false)).filter(|&n| tail && n <= limit);
+        let without_tail = Some(storage_buffers(false, looks)).filter(|&n| tail && n <= limit);
         return Err(Refusal::TooFewBindings { needed, limit, without_tail });
     }
     let mut draft = Draft { passes: Vec::new(), skipped: Vec::new() };
-    let all_opaque = matches!(opacity, Opacity::Constant { alpha } if alpha >= 1.0) && scene.blended_materials == 0;
+    let all_opaque = matches!(opacity, Opacity::Constant { alpha } if alpha >= 1.0)
+        && scene.blended_materials == 0
+        && scene.faded_parts == 0
+        && picked.is_none();
     let capture = if all_opaque {
         draft.run(Pass::Opaque, "every surface is opaque: only the nearest can be seen");
         draft.run(Pass::ShowOpaque, "the opaque pass draws into a target of its own");
@@ -373,23 +313,37 @@ pub fn plan_with(
     } else {
         choose_capture(settings, scene, capabilities)?
     };
-    let features = (opacity == Opacity::Curvature).then(|| choose_features(settings, scene, view, size, &mut draft));
+    let features = (opacity == Opacity::Curvature || picked.is_some())
+        .then(|| choose_features(settings, scene, view, size, &mut draft));
     if capture != Capture::None {
         plan_layers(&mut draft, settings, scene, capture, features, opacity);
     }
-    if settings.image.samples > 1 {
-        draft.run(Pass::Accumulate, format!("{} jittered frames are averaged", settings.image.samples));
+    match scene.selected_parts {
+        0 => draft.skip("outline", "nothing is selected"),
+        n => {
+            draft.run(Pass::OutlineMask, format!("{} outlined through what is in front", counted(n, "is", "are")));
+            draft.run(Pass::Outline, "a line around what is selected");
+        }
+    }
+    let samples = if picked.is_some() { 1 } else { settings.image.samples };
+    if samples > 1 {
+        draft.run(Pass::Accumulate, format!("{samples} jittered frames are averaged"));
     } else {
         draft.skip("accumulate", "one sample a pixel");
+    }
+    if picked.is_some() {
+        draft.passes.retain(|p| !matches!(p.pass, Pass::Blend | Pass::OutlineMask | Pass::Outline));
     }
     let apron = features.map_or(0, |f| f.reach.max(1));
     let mut plan = FramePlan {
         size,
-        samples: settings.image.samples,
+        samples,
         capture,
         normals: settings.capture.normals,
         features,
         opacity,
+        faded: capture != Capture::None && scene.faded_parts + scene.solid_parts > 0,
+        recolored: scene.recolored_parts > 0,
         passes: draft.passes,
         skipped: draft.skipped,
         buffers: Vec::new(),
@@ -397,8 +351,13 @@ pub fn plan_with(
         most_rows: size[1],
         bands: Vec::new(),
     };
-    memory::fill(&mut plan, scene, view, capabilities)?;
+    memory::fill(&mut plan, picked, view, capabilities)?;
     Ok(plan)
+}
+
+/// "1 part is", "3 parts are".
+fn counted(parts: u64, one: &str, more: &str) -> String {
+    if parts == 1 { format!("1 part {one}") } else { format!("{parts} parts {more}") }
 }
 
 struct Draft {
@@ -499,13 +458,13 @@ fn plan_layers(
     features: Option<Features>,
     opacity: Opacity,
 ) {
-    let transparent = if scene.blended_materials > 0 && opacity == (Opacity::Constant { alpha: 1.0 }) {
-        match scene.blended_materials {
-            1 => "1 material blends".to_owned(),
-            n => format!("{n} materials blend"),
-        }
-    } else {
-        "layers are transparent".to_owned()
+    let otherwise_opaque = opacity == (Opacity::Constant { alpha: 1.0 });
+    let transparent = match (scene.blended_materials, scene.faded_parts) {
+        (1, _) if otherwise_opaque => "1 material blends".to_owned(),
+        (n @ 2.., _) if otherwise_opaque => format!("{n} materials blend"),
+        (_, n @ 1..) if otherwise_opaque => format!("{} ghosted or translucent", counted(n, "is", "are")),
+        _ if otherwise_opaque => "a pixel is picked through".to_owned(),
+        _ => "layers are transparent".to_owned(),
     };
     let buckets = features.is_some_and(|f| f.search == NeighbourSearch::Buckets);
     let bucket_passes = |draft: &mut Draft| {
@@ -579,5 +538,9 @@ fn plan_layers(
         Opacity::Depth => draft.run(Pass::Stylize, "opacity follows depth"),
         Opacity::Constant { .. } => draft.skip("stylize", "opacity is the same for all layers"),
     }
-    draft.run(Pass::Blend, "the layers of each pixel over each other");
+    let of_parts = match scene.faded_parts + scene.solid_parts {
+        0 => "",
+        _ => ", by the opacity of their parts",
+    };
+    draft.run(Pass::Blend, format!("the layers of each pixel over each other{of_parts}"));
 }

@@ -5,86 +5,21 @@ use std::time::Instant;
 
 use glam::DVec2;
 
+use super::targets::{Targets, texture};
 use super::{Frame, FrameReport, RenderError, Renderer};
-use crate::gpu::{Gpu, GpuError, PassTime, Recorder, Resource, go_on};
+use crate::gpu::{GpuError, PassTime, Recorder, Resource, go_on};
+use crate::math::color::linear_from_srgb;
 use crate::math::{Camera, LinearImage, Projection, ViewFrustum};
 use crate::passes::capture::{
     BAND_DEEPEST, LayerCounts, STATISTICS_WORDS, bucketed_k_buffer, buckets, compacted, sort,
 };
+use crate::passes::composite::outline;
 use crate::passes::features::{self, curvature, neighbours};
 use crate::passes::geometry::{GpuScene, Instances};
 use crate::passes::{BlendParameters, Context, FrameUniform, StoreLayout, composite, opacity, opaque, shade};
 use crate::plan::{self, Band, Capture, FramePlan, Opacity, Pass};
 use crate::settings::{NeighbourSearch, Settings};
-use crate::transfer::TransferFunction;
-
-/// Textures of the image's size.
-pub(super) struct Targets {
-    size: [u32; 2],
-    /// What the composition writes.
-    image: wgpu::Texture,
-    /// Gives raster passes their size; never written.
-    blank: wgpu::TextureView,
-    /// Sums of jittered frames, read and written in turn.
-    sums: Option<[wgpu::Texture; 2]>,
-    /// Colours and depth of the opaque pass.
-    opaque: Option<[wgpu::TextureView; 2]>,
-}
-
-fn texture(
-    gpu: &Gpu,
-    label: &str,
-    size: [u32; 2],
-    format: wgpu::TextureFormat,
-    usage: wgpu::TextureUsages,
-) -> wgpu::Texture {
-    gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some(label),
-        size: wgpu::Extent3d { width: size[0], height: size[1], depth_or_array_layers: 1 },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format,
-        usage,
-        view_formats: &[],
-    })
-}
-
-impl Targets {
-    fn ensure<'a>(kept: &'a mut Option<Targets>, gpu: &Gpu, plan: &FramePlan) -> Result<&'a Targets, GpuError> {
-        use wgpu::{TextureFormat as Format, TextureUsages as Usage};
-        let image_usage = Usage::STORAGE_BINDING | Usage::TEXTURE_BINDING | Usage::COPY_SRC | Usage::COPY_DST;
-        let image = |label| texture(gpu, label, plan.size, Format::Rgba32Float, image_usage);
-        let old = kept.take().filter(|t| t.size == plan.size);
-        let mut targets = old.unwrap_or_else(|| Targets {
-            size: plan.size,
-            image: image("image"),
-            blank: texture(gpu, "blank", plan.size, Format::R8Unorm, Usage::RENDER_ATTACHMENT)
-                .create_view(&Default::default()),
-            sums: None,
-            opaque: None,
-        });
-        if !plan.runs(Pass::Accumulate) {
-            targets.sums = None;
-        } else if targets.sums.is_none() {
-            let usage = image_usage | Usage::RENDER_ATTACHMENT;
-            targets.sums =
-                Some(["sum", "other sum"].map(|label| texture(gpu, label, plan.size, Format::Rgba32Float, usage)));
-        }
-        if !plan.runs(Pass::Opaque) {
-            targets.opaque = None;
-        } else if targets.opaque.is_none() {
-            let usage = Usage::RENDER_ATTACHMENT | Usage::TEXTURE_BINDING;
-            targets.opaque = Some([
-                texture(gpu, "opaque colours", plan.size, Format::Rg32Uint, usage).create_view(&Default::default()),
-                texture(gpu, "opaque depth", plan.size, Format::Depth32Float, Usage::RENDER_ATTACHMENT)
-                    .create_view(&Default::default()),
-            ]);
-        }
-        gpu.check()?;
-        Ok(kept.insert(targets))
-    }
-}
+use crate::transfer::{TransferFunction, hex};
 
 /// Offsets of the samples of a pixel, in pixels: the R2 sequence (Roberts 2018) for several, the centre for one.
 fn jitter(sample: u32, samples: u32) -> DVec2 {
@@ -97,12 +32,12 @@ fn jitter(sample: u32, samples: u32) -> DVec2 {
 }
 
 /// What one sample of a frame needs besides the plan.
-struct View<'a> {
-    scene: &'a GpuScene,
-    camera: &'a Camera,
-    frustum: ViewFrustum,
-    jitter: DVec2,
-    instances: Arc<Instances>,
+pub(super) struct View<'a> {
+    pub(super) scene: &'a GpuScene,
+    pub(super) camera: &'a Camera,
+    pub(super) frustum: ViewFrustum,
+    pub(super) jitter: DVec2,
+    pub(super) instances: Arc<Instances>,
 }
 
 fn frame_uniform(view: &View<'_>, plan: &FramePlan, band: Band) -> FrameUniform {
@@ -153,8 +88,9 @@ pub(super) fn draw(
     let targets = Targets::ensure(&mut renderer.targets, &gpu, &plan)?;
     let (image, blank) = (targets.image.clone(), targets.blank.clone());
     let sums = targets.sums.clone();
-    let opaque_targets = targets.opaque.clone();
-    bind_settings(renderer, scene, settings, transfer, &plan, &image)?;
+    let (opaque_targets, mask) = (targets.opaque.clone(), targets.mask.clone());
+    bind_settings(renderer, scene, settings, transfer, &plan)?;
+    renderer.resources.set("image", Resource::Texture(image.create_view(&Default::default())));
     if let Some([colors, _]) = &opaque_targets {
         renderer.resources.set("opaque_colors", Resource::Texture(colors.clone()));
     }
@@ -168,6 +104,10 @@ pub(super) fn draw(
     } else {
         scene.instances(&gpu, layout, &view_from_world, renderer.draw_order)?
     });
+    let selected = match mask {
+        Some(mask) => Some((mask, Arc::new(scene.instances_selected(&gpu, layout, &view_from_world)?))),
+        None => None,
+    };
     for sample in 0..plan.samples {
         let jitter = jitter(sample, plan.samples);
         let view = View { scene, camera, frustum, jitter, instances: Arc::clone(&instances) };
@@ -188,24 +128,24 @@ pub(super) fn draw(
                     if let Some(tail) = context.resources.buffer("tail") {
                         context.recorder.encoder.clear_buffer(tail, 0, None);
                     }
-                    bucketed_k_buffer::clear(&mut context)?;
-                    bucketed_k_buffer::z_insertion(&mut context, scene)?;
-                    bucketed_k_buffer::count_layers(&mut context)?;
-                    let found_by_bucket = plan.runs(Pass::PartLookup);
-                    if !found_by_bucket {
-                        bucketed_k_buffer::data_storage(&mut context, scene)?;
-                    }
-                    bucket_passes(&mut context)?;
-                    if found_by_bucket {
-                        bucketed_k_buffer::data_storage(&mut context, scene)?;
-                    }
-                    finish_layers(&mut context)?;
+                    capture_rows(&mut context, scene)?;
+                    light_layers(&mut context)?;
+                    composite::blend(&mut context)?;
                     work.finish(&mut tally)?;
                 }
             }
             Capture::Compacted => draw_compacted(renderer, &plan, &view, &blank, &mut tally)?,
         }
+        if let Some((mask, instances)) = &selected {
+            renderer.resources.set("outline_mask", Resource::Texture(mask.clone()));
+            let view = View { instances: Arc::clone(instances), ..view };
+            let mut work = Work::new(renderer, &plan, &view, whole(&plan), &blank)?;
+            outline::mask(&mut work.context(), scene, mask)?;
+            outline::outline(&mut work.context())?;
+            work.submit_times(&mut tally)?;
+        }
         if let Some(sums) = &sums {
+            let view = View { scene, camera, frustum, jitter, instances: Arc::clone(&instances) };
             accumulate(renderer, &plan, &view, &blank, sample, &image, sums, &mut tally)?;
         }
     }
@@ -247,14 +187,12 @@ pub(super) fn time_unsorted(
     let (image, blank) = (targets.image.clone(), targets.blank.clone());
     let usage = wgpu::TextureUsages::RENDER_ATTACHMENT;
     let target = texture(&gpu, "unsorted", plan.size, wgpu::TextureFormat::Rgba16Float, usage);
-    bind_settings(renderer, scene, settings, transfer, plan, &image)?;
+    bind_settings(renderer, scene, settings, transfer, plan)?;
     let layout = &renderer.shaders.shared.instances;
     let instances = Arc::new(scene.instances(&gpu, layout, &camera.view_from_world(), renderer.draw_order)?);
     let frustum = camera.frustum(&scene.stats.bounds);
     let view = View { scene, camera, frustum, jitter: DVec2::ZERO, instances };
-    let height = plan.size[1];
-    let whole = Band { first_row: 0, end_row: height, first_output_row: 0, end_output_row: height };
-    let mut work = Work::new(renderer, plan, &view, whole, &blank)?;
+    let mut work = Work::new(renderer, plan, &view, whole(plan), &blank)?;
     opaque::unsorted(&mut work.context(), scene, &target.create_view(&Default::default()))?;
     work.submit_times(&mut Tally::default())?;
     // What a frame of ours reads back, this one reads back too.
@@ -304,18 +242,46 @@ fn draw_compacted(
         if !single {
             count_band(&mut context, view.scene)?;
         }
-        compacted::prefix_sum(&mut context)?;
-        compacted::append(&mut context, view.scene)?;
-        compacted::sort_by_depth(&mut context)?;
-        compacted::gather(&mut context)?;
-        bucket_passes(&mut context)?;
-        finish_layers(&mut context)?;
+        capture_counted(&mut context, view.scene)?;
+        light_layers(&mut context)?;
+        composite::blend(&mut context)?;
         work.finish(tally)?;
     }
     Ok(())
 }
 
-fn count_band(context: &mut Context<'_>, scene: &GpuScene) -> Result<(), GpuError> {
+/// Rows of k slots, from clearing them to their surfaces.
+pub(super) fn capture_rows(context: &mut Context<'_>, scene: &GpuScene) -> Result<(), GpuError> {
+    bucketed_k_buffer::clear(context)?;
+    bucketed_k_buffer::z_insertion(context, scene)?;
+    bucketed_k_buffer::count_layers(context)?;
+    let found_by_bucket = context.plan.runs(Pass::PartLookup);
+    if !found_by_bucket {
+        bucketed_k_buffer::data_storage(context, scene)?;
+    }
+    bucket_passes(context)?;
+    if found_by_bucket {
+        bucketed_k_buffer::data_storage(context, scene)?;
+    }
+    Ok(())
+}
+
+/// Compacted lists, once there is room for what [`count_band`] counted.
+pub(super) fn capture_counted(context: &mut Context<'_>, scene: &GpuScene) -> Result<(), GpuError> {
+    compacted::prefix_sum(context)?;
+    compacted::append(context, scene)?;
+    compacted::sort_by_depth(context)?;
+    compacted::gather(context)?;
+    bucket_passes(context)
+}
+
+/// All rows of the image.
+fn whole(plan: &FramePlan) -> Band {
+    let height = plan.size[1];
+    Band { first_row: 0, end_row: height, first_output_row: 0, end_output_row: height }
+}
+
+pub(super) fn count_band(context: &mut Context<'_>, scene: &GpuScene) -> Result<(), GpuError> {
     let counts = context.resources.require("count", "pixel_counts")?;
     context.recorder.encoder.clear_buffer(counts, 0, None);
     context.recorder.encoder.clear_buffer(context.resources.require("count", "statistics")?, 0, None);
@@ -334,8 +300,8 @@ fn bucket_passes(context: &mut Context<'_>) -> Result<(), GpuError> {
     Ok(())
 }
 
-/// Stages 2 to 4: the same for every capture.
-fn finish_layers(context: &mut Context<'_>) -> Result<(), GpuError> {
+/// Stages 2 and 3: the same for every capture.
+pub(super) fn light_layers(context: &mut Context<'_>) -> Result<(), GpuError> {
     if let Some(features) = context.plan.features {
         neighbours::search(context, &features)?;
         curvature::curvature(context, &features)?;
@@ -344,21 +310,23 @@ fn finish_layers(context: &mut Context<'_>) -> Result<(), GpuError> {
     if context.plan.runs(Pass::Stylize) {
         opacity::stylize(context)?;
     }
-    composite::blend(context)
+    Ok(())
 }
 
 #[derive(Default)]
-struct Tally {
+pub(super) struct Tally {
     layers: LayerCounts,
     times: Vec<PassTime>,
     bands: usize,
 }
 
 /// A band at work: its frame uniform, its recorder, the renderer's resources.
-struct Work<'a> {
+pub(super) struct Work<'a> {
     renderer: &'a Renderer,
     plan: &'a FramePlan,
     band: Band,
+    /// The columns into which geometry is drawn.
+    pub(super) columns: std::ops::Range<u32>,
     frame: wgpu::BindGroup,
     blank: &'a wgpu::TextureView,
     instances: Arc<Instances>,
@@ -366,7 +334,7 @@ struct Work<'a> {
 }
 
 impl<'a> Work<'a> {
-    fn new(
+    pub(super) fn new(
         renderer: &'a mut Renderer,
         plan: &'a FramePlan,
         view: &View<'_>,
@@ -387,15 +355,17 @@ impl<'a> Work<'a> {
         {
             recorder.encoder.clear_buffer(statistics, 0, None);
         }
-        Ok(Work { renderer, plan, band, frame, blank, instances: Arc::clone(&view.instances), recorder })
+        let (columns, instances) = (0..plan.size[0], Arc::clone(&view.instances));
+        Ok(Work { renderer, plan, band, columns, frame, blank, instances, recorder })
     }
 
-    fn context(&mut self) -> Context<'_> {
+    pub(super) fn context(&mut self) -> Context<'_> {
         Context {
             gpu: &self.renderer.gpu,
             shaders: &self.renderer.shaders,
             plan: self.plan,
             band: self.band,
+            columns: self.columns.clone(),
             frame: self.frame.clone(),
             resources: &self.renderer.resources,
             blank: self.blank,
@@ -405,7 +375,7 @@ impl<'a> Work<'a> {
         }
     }
 
-    fn submit_times(self, tally: &mut Tally) -> Result<(), GpuError> {
+    pub(super) fn submit_times(self, tally: &mut Tally) -> Result<(), GpuError> {
         self.recorder.submit().add_times(&mut tally.times)
     }
 
@@ -444,9 +414,7 @@ fn accumulate(
     renderer.resources.set("sample_image", as_resource(image));
     renderer.resources.set("sum_before", as_resource(before));
     renderer.resources.set("sum_after", as_resource(after));
-    let height = plan.size[1];
-    let whole = Band { first_row: 0, end_row: height, first_output_row: 0, end_output_row: height };
-    let mut work = Work::new(renderer, plan, view, whole, blank)?;
+    let mut work = Work::new(renderer, plan, view, whole(plan), blank)?;
     if sample == 0 {
         // The first sum is the first frame. (Clearing a texture is a feature that not every adapter has.)
         let encoder = &mut work.recorder.encoder;
@@ -458,7 +426,12 @@ fn accumulate(
 }
 
 /// Makes room for the fragments of a band.
-fn ensure_fragments(renderer: &mut Renderer, plan: &FramePlan, fragments: u64, deepest: u32) -> Result<(), GpuError> {
+pub(super) fn ensure_fragments(
+    renderer: &mut Renderer,
+    plan: &FramePlan,
+    fragments: u64,
+    deepest: u32,
+) -> Result<(), GpuError> {
     let gpu = renderer.gpu.clone();
     for (name, bytes) in plan.columns() {
         renderer.resources.ensure(&gpu, name, bytes * fragments)?;
@@ -485,19 +458,17 @@ fn aliases(renderer: &mut Renderer, plan: &FramePlan) {
 }
 
 /// Uniforms and tables of the settings, and buffers whose size is known before the capture.
-fn bind_settings(
+pub(super) fn bind_settings(
     renderer: &mut Renderer,
     scene: &GpuScene,
     settings: &Settings,
     transfer: &TransferFunction,
     plan: &FramePlan,
-    image: &wgpu::Texture,
-) -> Result<(), GpuError> {
+) -> Result<(), RenderError> {
     let gpu = renderer.gpu.clone();
     let planned: Vec<&str> = plan.buffers.iter().map(|b| b.name).collect();
     renderer.resources.retain(|name| planned.contains(&name));
     let resources = &mut renderer.resources;
-    resources.set("image", Resource::Texture(image.create_view(&Default::default())));
     resources.set("part_table", Resource::Buffer(scene.part_table.clone()));
     resources.set("lights", Resource::Buffer(gpu.uniform("lights", &shade::parameters(&settings.light))?));
     if let Some(features) = &plan.features {
@@ -513,11 +484,17 @@ fn bind_settings(
         let [color, alpha] = opacity::tables(&gpu, transfer)?;
         resources.set("color_table", Resource::Buffer(color));
         resources.set("opacity_table", Resource::Buffer(alpha));
-        let parameters = opacity::parameters(transfer, settings.opacity.gain, constant);
+        let parameters = opacity::parameters(transfer, settings.opacity.gain, constant, settings.opacity.ghost);
         resources.set("transfer", Resource::Buffer(gpu.uniform("transfer", &parameters)?));
     }
-    let blend = BlendParameters { opacity: constant as f32, _pad: [0; 3] };
+    let blend = BlendParameters { opacity: constant as f32, ghost: settings.opacity.ghost as f32, _pad: [0; 2] };
     resources.set("blend_parameters", Resource::Buffer(gpu.uniform("blend", &blend)?));
+    if plan.runs(Pass::Outline) {
+        let wrong = || RenderError::OutlineColor { color: settings.outline.color.clone() };
+        let color = hex(&settings.outline.color).ok_or_else(wrong)?.map(linear_from_srgb);
+        let parameters = outline::parameters(color, settings.outline.width);
+        resources.set("outline_parameters", Resource::Buffer(gpu.uniform("outline", &parameters)?));
+    }
     if plan.capture == Capture::None {
         return Ok(());
     }
@@ -533,7 +510,7 @@ fn bind_settings(
         resources.ensure(&gpu, "open_arguments", 12)?;
         resources.ensure(&gpu, "open_count", 4)?;
     }
-    for buffer in plan.buffers.iter().filter(|b| b.exact && b.name != "image" && b.name != "sums") {
+    for buffer in plan.buffers.iter().filter(|b| b.exact && !["image", "sums", "outline_mask"].contains(&b.name)) {
         resources.ensure(&gpu, buffer.name, buffer.bytes)?;
     }
     if let Capture::BucketedKBuffer { k, .. } = plan.capture {

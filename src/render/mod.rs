@@ -1,7 +1,9 @@
 //! Scene and settings in, image out: the one renderer behind the command line, the window, the tests and the benchmarks.
 
 mod frame;
+mod pick;
 mod readback;
+mod targets;
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -17,6 +19,7 @@ use crate::scene::{Arrangement, ArrangementError, Presence, Scene};
 use crate::settings::{OpacityModel, Settings};
 use crate::transfer::{TransferError, TransferFunction};
 
+pub use pick::PickedLayer;
 pub use readback::{PixelBuckets, StoreReadback};
 
 /// Why a picture was not drawn.
@@ -34,6 +37,12 @@ pub enum RenderError {
     /// The transfer functions could not be read.
     #[error(transparent)]
     Transfer(#[from] TransferError),
+    /// The colour of the outline is none.
+    #[error("outline.color = '{color}': expected the form #rrggbb")]
+    OutlineColor {
+        /// What it says.
+        color: String,
+    },
     /// The arrangement does not fit the scene.
     #[error(transparent)]
     Arrangement(#[from] ArrangementError),
@@ -122,7 +131,8 @@ pub struct Renderer {
     /// Raised from another thread when the picture at work is no longer wanted. It is looked at between bands and samples
     /// and, under [`Timing::Serial`], between passes.
     pub cancel: Option<Arc<AtomicBool>>,
-    targets: Option<frame::Targets>,
+    targets: Option<targets::Targets>,
+    picking: pick::Picking,
 }
 
 impl Renderer {
@@ -141,6 +151,7 @@ impl Renderer {
             timing: Timing::default(),
             cancel: None,
             targets: None,
+            picking: pick::Picking::default(),
         })
     }
 

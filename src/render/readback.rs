@@ -10,7 +10,8 @@ use crate::gpu::GpuError;
 use crate::math::Camera;
 use crate::math::color::linear_from_srgb;
 use crate::oracle::{Link, StoreData};
-use crate::plan::{Band, Capture};
+use crate::passes::PartFacts;
+use crate::plan::{Capture, FramePlan};
 use crate::settings::{DepthQuantization, NormalEncoding};
 
 /// What later stages wrote beside the captured columns, by fragment in the order of the store.
@@ -122,7 +123,17 @@ impl Renderer {
             let why = "the store can be read back only after a frame of one band and one sample that captured layers";
             return Err(GpuError::Device(why.to_owned()).into());
         }
-        let band = Band { first_row: 0, end_row: plan.size[1], first_output_row: 0, end_output_row: plan.size[1] };
+        self.decode(plan, scene, camera, 0..plan.size[0] as usize * plan.size[1] as usize)
+    }
+
+    /// Reads back some pixels of the band that is in the buffers, numbered from its first row.
+    pub(super) fn decode(
+        &self,
+        plan: &FramePlan,
+        scene: &super::GpuScene,
+        camera: &Camera,
+        pixels: std::ops::Range<usize>,
+    ) -> Result<StoreReadback, RenderError> {
         let decoder = self.decoder(scene, camera);
         let wide = plan.capture.is_wide();
         let table = self.read_words("pixel_table")?;
@@ -139,14 +150,13 @@ impl Renderer {
         let buckets = self.read_optional("buckets")?;
         let part_table: Vec<u32> = {
             let bytes = self.gpu.read_buffer(&scene.part_table, scene.part_table.size())?;
-            bytes.chunks_exact(16).map(|c| bytemuck::pod_read_unaligned(&c[..4])).collect()
+            bytes.chunks_exact(size_of::<PartFacts>()).map(|c| bytemuck::pod_read_unaligned(&c[..4])).collect()
         };
 
         let mut out = StoreReadback::default();
         let store = &mut out.layers;
         (store.width, store.height) = (plan.size[0], plan.size[1]);
-        let pixels = plan.size[0] as usize * (band.end_row - band.first_row) as usize;
-        for pixel in 0..pixels {
+        for pixel in pixels {
             let (base, count, overflowed, slots) = match plan.capture {
                 Capture::BucketedKBuffer { k, .. } => {
                     let word = table[pixel];

@@ -167,7 +167,7 @@ impl Arrangement {
         }
         for section in &self.sections {
             let value = section.normal.length();
-            if !((value - 1.0).abs() < 1e-6) {
+            if value.is_nan() || (value - 1.0).abs() > 1e-6 {
                 let (what, expected) = ("length of a section's normal", "1");
                 return Err(ArrangementError::Value { what, value, expected });
             }

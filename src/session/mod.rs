@@ -195,6 +195,9 @@ fn yes() -> bool {
 
 /// The camera moved by a vector.
 fn moved(camera: &Camera, by: DVec3) -> Camera {
+    if by == DVec3::ZERO {
+        return *camera;
+    }
     Camera { position: camera.position + by, focal_point: camera.focal_point + by, ..*camera }
 }
 
@@ -220,11 +223,11 @@ fn check_view(size: [u32; 2], camera: &Camera) -> Result<(), SessionError> {
         return wrong("camera", "finite numbers");
     }
     let toward = camera.focal_point - camera.position;
-    if !(toward.length() > 0.0) {
+    if toward.length() == 0.0 {
         return wrong("camera.focal_point", "another point than camera.position");
     }
     // Also where the way up has no length.
-    if !(camera.view_up.normalize_or_zero().cross(toward.normalize_or_zero()).length() > 1e-9) {
+    if camera.view_up.normalize_or_zero().cross(toward.normalize_or_zero()).length() <= 1e-9 {
         return wrong("camera.view_up", "a direction other than the one that the camera looks along");
     }
     match camera.projection {

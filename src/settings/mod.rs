@@ -206,6 +206,9 @@ settings! {
     }
 }
 
+/// What is left of a ghosted part's opacity, unless another share is asked for.
+pub const GHOST_OPACITY: f64 = 0.06;
+
 settings! {
     /// Stage 3: opacity and colour of every layer.
     pub struct OpacitySettings {
@@ -217,6 +220,8 @@ settings! {
         pub transfer: TransferSource = TransferSource::default(), Range::Text;
         /// Multiplies what the opacity transfer function gives.
         pub gain: f64 = 1.0, Range::Real(0.0, 8.0);
+        /// Multiplies the opacity of ghosted parts, lines included.
+        pub ghost: f64 = GHOST_OPACITY, Range::Real(0.0, 1.0);
     }
 }
 
@@ -233,6 +238,16 @@ settings! {
         pub rim: f64 = 1.0, Range::Real(0.0, 32.0);
         /// Brightness of the light from all around.
         pub ambient: f64 = 1.0, Range::Real(0.0, 32.0);
+    }
+}
+
+settings! {
+    /// The line around what is selected.
+    pub struct OutlineSettings {
+        /// Colour: `#rrggbb`.
+        pub color: String = "#ffb000".to_owned(), Range::Text;
+        /// Width in pixels.
+        pub width: f64 = 2.0, Range::Real(1.0, 16.0);
     }
 }
 
@@ -257,6 +272,8 @@ settings! {
         pub group opacity: OpacitySettings;
         /// Light.
         pub group light: LightSettings;
+        /// The line around what is selected.
+        pub group outline: OutlineSettings;
         /// The picture.
         pub group image: ImageSettings;
     }

@@ -3,6 +3,7 @@
 mod commands;
 mod hard_cases;
 mod models;
+mod sessions;
 mod shaders;
 mod structure;
 mod support;

@@ -10,8 +10,8 @@ use naga::{AddressSpace, Module, ShaderStage, TypeInner};
 use pellucid::gpu::{compose, shader_files};
 use pellucid::passes::shaders::{PassShader, RASTER, all_plans, all_shaders};
 use pellucid::passes::{
-    BlendParameters, CurvatureParameters, FrameUniform, InstanceUniform, MaterialUniform, PartFacts, ShadeParameters,
-    StoreLayout, TransferParameters,
+    BlendParameters, CurvatureParameters, FrameUniform, InstanceUniform, MaterialUniform, OutlineParameters, PartFacts,
+    ShadeParameters, StoreLayout, TransferParameters,
 };
 use pellucid::plan::{Pass, storage_buffers};
 use rayon::prelude::*;
@@ -108,7 +108,7 @@ fn faults_of(shader: &Parsed) -> Vec<String> {
         let used = info.get_entry_point(index);
         let buffers = storage_of(shader, &info, index);
         // What shares a text must fit the smallest of its plans.
-        let limit = storage_buffers(shader.users.iter().all(|u| u.tail));
+        let limit = storage_buffers(shader.users.iter().all(|u| u.tail), shader.users.iter().all(|u| u.looks));
         if buffers.len() as u32 > limit {
             faults.push(format!("{name}: {} binds {buffers:?}, more than the planned {limit}", entry.name));
         }
@@ -137,8 +137,10 @@ fn every_shader_that_a_plan_can_ask_for_is_valid() {
 /// An adapter must not be refused for buffers that no shader binds.
 #[test]
 fn the_planned_number_of_storage_buffers_is_needed() {
-    let most = |tail: bool| {
-        let shaders = parsed().into_iter().filter(|s| s.users.iter().all(|u| u.tail) == tail);
+    let most = |tail: bool, looks: bool| {
+        let shaders = parsed()
+            .into_iter()
+            .filter(|s| s.users.iter().all(|u| u.tail) == tail && s.users.iter().all(|u| u.looks) == looks);
         let counts = shaders.map(|shader| {
             let info = validate(&shader, capabilities(&shader)).unwrap();
             let entries = 0..shader.module.entry_points.len();
@@ -146,7 +148,10 @@ fn the_planned_number_of_storage_buffers_is_needed() {
         });
         counts.max().unwrap_or(0) as u32
     };
-    assert_eq!([most(false), most(true)], [false, true].map(storage_buffers));
+    for (tail, looks) in [(false, false), (true, false), (true, true)] {
+        assert_eq!(most(tail, looks), storage_buffers(tail, looks), "tail {tail}, looks {looks}");
+    }
+    assert!(most(false, true) <= storage_buffers(false, true));
 }
 
 #[test]
@@ -226,13 +231,14 @@ fn twins() -> Vec<Twin> {
         twin!(StoreLayout = "StoreLayout" { k, capacity, chunk, _pad }),
         twin!(InstanceUniform = "Instance" { view_x, view_y, view_z, normal_x, normal_y, normal_z, ids }),
         twin!(MaterialUniform = "Material" { base_color, emissive, factors, modes, uv_rows }),
-        twin!(PartFacts = "PartFacts" { first_triangle, inverse_radius, radius, _pad }),
+        twin!(PartFacts = "PartFacts" { first_triangle, inverse_radius, radius, look, color }),
         twin!(CurvatureParameters = "CurvatureParameters" {
             scale, part_scale, radius, reach, line, crease_cosine, kind, _pad
         }),
         twin!(ShadeParameters = "ShadeParameters" { lights }),
-        twin!(TransferParameters = "TransferParameters" { color_mode, gain, constant, _pad }),
-        twin!(BlendParameters = "BlendParameters" { opacity, _pad }),
+        twin!(TransferParameters = "TransferParameters" { color_mode, gain, constant, ghost }),
+        twin!(BlendParameters = "BlendParameters" { opacity, ghost, _pad }),
+        twin!(OutlineParameters = "OutlineParameters" { color, width, _pad }),
     ]
 }
 
@@ -303,16 +309,16 @@ fn every_struct_of_the_uniforms_is_compared() {
 
 #[test]
 fn disagreements_are_seen() {
-    let twin = || twin!(PartFacts = "PartFacts" { first_triangle, inverse_radius, radius, _pad });
+    let twin = || twin!(StoreLayout = "StoreLayout" { k, capacity, chunk, _pad });
     let compare = |wgsl: &str| {
-        let module = naga::front::wgsl::parse_str(&format!("struct PartFacts {{ {wgsl} }}")).unwrap();
-        let (span, fields) = layout(&module, "PartFacts").unwrap();
+        let module = naga::front::wgsl::parse_str(&format!("struct StoreLayout {{ {wgsl} }}")).unwrap();
+        let (span, fields) = layout(&module, "StoreLayout").unwrap();
         disagreement(&twin(), span, &fields)
     };
-    assert_eq!(compare("first_triangle: u32, inverse_radius: f32, radius: f32, _pad: u32,"), None);
-    assert_eq!(compare("first_triangle: u32, inverse_radius: f32, radius: f32,"), None);
-    assert!(compare("first_triangle: u32, radius: f32, inverse_radius: f32, _pad: u32,").is_some());
-    assert!(compare("first_triangle: u32, inverse_radius: f32,").is_some());
-    assert!(compare("first_triangle: u32, inverse_radius: f32, radius: vec2<f32>, _pad: u32,").is_some());
-    assert!(compare("first_triangle: u32, inverse_radius: f32, radius: f32, _pad: vec2<u32>,").is_some());
+    assert_eq!(compare("k: u32, capacity: u32, chunk: u32, _pad: u32,"), None);
+    assert_eq!(compare("k: u32, capacity: u32, chunk: u32,"), None);
+    assert!(compare("k: u32, chunk: u32, capacity: u32, _pad: u32,").is_some());
+    assert!(compare("k: u32, capacity: u32,").is_some());
+    assert!(compare("k: u32, capacity: u32, chunk: vec2<u32>, _pad: u32,").is_some());
+    assert!(compare("k: u32, capacity: u32, chunk: u32, _pad: vec2<u32>,").is_some());
 }

@@ -5,9 +5,10 @@
 struct BlendParameters {
     // Multiplies the opacity of every layer.
     opacity: f32,
+    // Multiplies the opacity of ghosted parts.
+    ghost: f32,
     _pad0: u32,
     _pad1: u32,
-    _pad2: u32,
 }
 
 @group(1) @binding(13) var<uniform> blend_parameters: BlendParameters;
@@ -26,7 +27,8 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     var transmitted = 1.0;
     for (var layer = 0u; layer < count; layer++) {
         let next = layer_lit(base + layer);
-        let alpha = clamp(next.a * blend_parameters.opacity, 0.0, 1.0);
+        let whole = clamp(next.a * blend_parameters.opacity, 0.0, 1.0);
+        let alpha = layer_alpha(base + layer, whole, blend_parameters.ghost);
         color += (transmitted * alpha) * next.rgb;
         transmitted *= 1.0 - alpha;
         if transmitted < 9.5367431640625e-7 {

@@ -11,7 +11,8 @@ struct TransferParameters {
     gain: f32,
     // Opacity of every layer under the constant model, 1 under the others.
     constant: f32,
-    _pad: u32,
+    // Multiplies the opacity of ghosted parts.
+    ghost: f32,
 }
 @group(1) @binding(26) var<uniform> transfer: TransferParameters;
 

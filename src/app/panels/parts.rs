@@ -142,22 +142,79 @@ pub fn show(ui: &mut Ui, workspace: &mut Workspace) {
     let searched = workspace.layout.search.trim().to_owned();
     let visible = tree.visible(&searched);
     let height = ui.spacing().interact_size.y;
-    ScrollArea::both().auto_shrink(false).show_rows(ui, height, visible.len(), |ui, range| {
-        for &index in &visible[range] {
-            if let Some(asked) = row(ui, tree, index, !searched.is_empty(), arrangement) {
-                act = Some(asked);
+    let below = if workspace.picked.is_some() { ui.available_height() * 0.35 } else { 0.0 };
+    ScrollArea::both().max_height(ui.available_height() - below).auto_shrink(false).show_rows(
+        ui,
+        height,
+        visible.len(),
+        |ui, range| {
+            for &index in &visible[range] {
+                if let Some(asked) = row(ui, tree, index, !searched.is_empty(), arrangement) {
+                    act = Some(asked);
+                }
             }
-        }
-    });
+        },
+    );
     if visible.is_empty() {
         ui.weak("Nothing of that name.");
     }
+    if below > 0.0 {
+        under_the_cursor(ui, workspace);
+    }
+    let tree = match &mut workspace.layout.tree {
+        Some(tree) => tree,
+        None => return,
+    };
     match act {
         Some(Act::Toggle(row)) if !tree.closed.remove(&row) => {
             tree.closed.insert(row);
         }
         Some(act) => apply(workspace, act),
         None => {}
+    }
+}
+
+/// The layers under the last click, nearest first.
+fn under_the_cursor(ui: &mut Ui, workspace: &mut Workspace) {
+    let (Some((picked, at)), Some(document)) = (&workspace.picked, &workspace.document) else {
+        return;
+    };
+    ui.separator();
+    ui.horizontal(|ui| {
+        ui.label(RichText::new("Layers at the click").strong());
+        ui.weak(picked.layers.len().to_string());
+    });
+    let mut chosen = None;
+    let mut isolated = None;
+    let height = ui.spacing().interact_size.y;
+    ScrollArea::vertical().id_salt("layers").auto_shrink(false).show_rows(
+        ui,
+        height,
+        picked.layers.len(),
+        |ui, range| {
+            for i in range {
+                let layer = &picked.layers[i];
+                let name = document.scene.parts.get(layer.part as usize).map_or("?", |p| p.name.as_str());
+                ui.horizontal(|ui| {
+                    let help =
+                        format!("κ {:+.2}, opacity {:.2}; double-click isolates the part", layer.kappa, layer.opacity);
+                    let text = format!("{}  {name}", i + 1);
+                    let response = ui.add(Button::selectable(i == *at, text).truncate()).on_hover_text(help);
+                    if response.clicked() {
+                        chosen = Some((i, ui.input(|i| i.modifiers.command)));
+                    }
+                    if response.double_clicked() {
+                        isolated = Some(layer.part);
+                    }
+                });
+            }
+        },
+    );
+    if let Some((layer, more)) = chosen {
+        workspace.choose_layer(layer, more);
+    }
+    if let Some(part) = isolated {
+        apply(workspace, Act::Isolate(part..part + 1));
     }
 }
 

@@ -20,13 +20,19 @@ pub const KEYS: &[(&str, &str)] = &[
     ("Ctrl+Q", "Quit"),
 ];
 
-fn mouse(habits: Habits) -> [(&'static str, &'static str); 4] {
+fn mouse(habits: Habits) -> [(&'static str, &'static str); 5] {
     let (turn, pan, zoom) = match habits {
         Habits::F3d => ("Left", "Middle or Shift+left", "Right"),
         Habits::Blender => ("Middle or Alt+left", "Shift+middle", "Ctrl+middle"),
         Habits::Cad => ("Middle or right", "Ctrl+middle", "Shift+middle"),
     };
-    [(turn, "Turn"), (pan, "Move"), (zoom, "Zoom"), ("Wheel", "Zoom to the cursor")]
+    [
+        (turn, "Turn"),
+        (pan, "Move"),
+        (zoom, "Zoom"),
+        ("Wheel", "Zoom to the cursor"),
+        ("Click", "Select a part and turn about it; again for what is behind"),
+    ]
 }
 
 /// The list, if it is asked for.

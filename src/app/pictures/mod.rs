@@ -16,7 +16,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use super::document::Seen;
-use crate::render::FrameReport;
+use crate::math::Camera;
+use crate::render::{FrameReport, PickedLayer};
 use crate::scene::Scene;
 use pace::Pace;
 use worker::Worker;
@@ -62,6 +63,32 @@ pub struct Order {
     not_before: Instant,
 }
 
+/// Layers that are to be found.
+#[derive(Clone)]
+pub struct PickOrder {
+    /// The scene.
+    pub scene: Arc<Scene>,
+    /// Another one has another number.
+    pub scene_number: u64,
+    /// Settings, camera and arrangement.
+    pub seen: Seen,
+    /// Of the viewport, pixels.
+    pub size: [u32; 2],
+    /// Column and row.
+    pub pixel: [u32; 2],
+}
+
+/// Layers under a pixel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picked {
+    /// Column and row in the viewport.
+    pub pixel: [u32; 2],
+    /// From where it was seen.
+    pub of: Camera,
+    /// Nearest first.
+    pub layers: Vec<PickedLayer>,
+}
+
 /// A drawn picture.
 pub struct Picture {
     /// Of which order.
@@ -105,6 +132,8 @@ pub enum Delivery {
     Picture(Box<Picture>),
     /// None.
     Fault(Fault),
+    /// What is under a pixel.
+    Picked(Picked),
 }
 
 /// Both threads and what was asked of them.
@@ -162,6 +191,11 @@ impl Pictures {
         }
         self.asked = Some(order);
         self.number
+    }
+
+    /// Asks for the layers under a pixel, of the model itself and not of a simpler one.
+    pub fn pick(&self, order: PickOrder) {
+        self.exact.pick(order);
     }
 
     /// Asks again for what was asked for last, as after a fault.

@@ -8,11 +8,13 @@ use std::time::Instant;
 
 use super::pace::Pace;
 use super::simplify::simplified;
-use super::{Delivery, Fault, Kind, Order, Picture};
+use super::{Delivery, Fault, Kind, Order, PickOrder, Picked, Picture};
+use crate::app::document::Seen;
 use crate::export::image::parse_background;
 use crate::export::png::rgba8;
 use crate::gpu::{Gpu, GpuError, GpuOptions, Timing};
 use crate::render::{GpuScene, RenderError, Renderer};
+use crate::scene::{Arrangement, Scene};
 
 /// Triangles of a preview on a software rasterizer.
 const SOFTWARE_TRIANGLES: u64 = 20_000;
@@ -20,6 +22,7 @@ const SOFTWARE_TRIANGLES: u64 = 20_000;
 #[derive(Default)]
 struct Slot {
     order: Option<Order>,
+    pick: Option<PickOrder>,
     closed: bool,
 }
 
@@ -54,8 +57,17 @@ impl Worker {
         let theirs = Arc::clone(&desk);
         let run = move || {
             let mut studio = Studio { kind, pace, bench: None, cancel: Arc::clone(&theirs.cancel) };
-            while let Some(order) = theirs.next() {
-                let delivery = studio.fill(&order);
+            while let Some(work) = theirs.next() {
+                let delivery = match work {
+                    Work::Pick(order) => studio.pick(&order),
+                    Work::Draw(order) => {
+                        let delivery = studio.fill(&order);
+                        if delivery.is_none() {
+                            theirs.take_back(order);
+                        }
+                        delivery
+                    }
+                };
                 if let Some(delivery) = delivery {
                     if sender.send(delivery).is_err() {
                         return;
@@ -80,10 +92,19 @@ impl Worker {
         self.desk.posted.notify_one();
     }
 
+    /// Asks for the layers under a pixel, before anything else; a picture at work is begun again afterwards.
+    pub fn pick(&self, order: PickOrder) {
+        let mut slot = lock(&self.desk.slot);
+        self.desk.cancel.store(true, Ordering::Relaxed);
+        slot.pick = Some(order);
+        self.desk.posted.notify_one();
+    }
+
     /// Abandons everything.
     pub fn clear(&self) {
         let mut slot = lock(&self.desk.slot);
         slot.order = None;
+        slot.pick = None;
         self.desk.cancel.store(true, Ordering::Relaxed);
     }
 }
@@ -105,11 +126,15 @@ impl Drop for Worker {
 
 impl Desk {
     /// Waits for the newest order and for its time to come; `None` when the window closes.
-    fn next(&self) -> Option<Order> {
+    fn next(&self) -> Option<Work> {
         let mut slot = lock(&self.slot);
         loop {
             if slot.closed {
                 return None;
+            }
+            if let Some(pick) = slot.pick.take() {
+                self.cancel.store(false, Ordering::Relaxed);
+                return Some(Work::Pick(pick));
             }
             let wait = slot.order.as_ref().map(|o| o.not_before.saturating_duration_since(Instant::now()));
             slot = match wait {
@@ -119,18 +144,41 @@ impl Desk {
                 }
                 Some(_) => {
                     self.cancel.store(false, Ordering::Relaxed);
-                    return slot.order.take();
+                    return slot.order.take().map(Work::Draw);
                 }
             };
         }
     }
+
+    /// Puts back an order that was given up only for a pick.
+    fn take_back(&self, order: Order) {
+        let mut slot = lock(&self.slot);
+        if slot.pick.is_some() && slot.order.is_none() {
+            slot.order = Some(order);
+        }
+    }
+}
+
+/// What the thread does next.
+enum Work {
+    Draw(Order),
+    Pick(PickOrder),
 }
 
 /// A device with a scene on it.
 struct Bench {
     renderer: Renderer,
     software: bool,
-    scene: Option<(u64, GpuScene)>,
+    scene: Option<Uploaded>,
+}
+
+/// A scene on the device.
+struct Uploaded {
+    number: u64,
+    /// What was uploaded: the model, or a simpler one.
+    source: Arc<Scene>,
+    scene: GpuScene,
+    arrangement: Arrangement,
 }
 
 /// What lives on the thread.
@@ -181,55 +229,98 @@ impl Studio {
         }
     }
 
-    fn draw(&mut self, order: &Order) -> Result<Picture, RenderError> {
-        let bench = match &mut self.bench {
-            Some(bench) => bench,
-            None => {
-                let gpu = Gpu::new(&GpuOptions::default())?;
-                let software = gpu.facts().device_type == "Cpu";
-                let mut renderer = Renderer::new(gpu)?;
-                renderer.cancel = Some(Arc::clone(&self.cancel));
-                if self.kind == Kind::Exact && software {
-                    // Passes one by one: they can be cancelled in between, and their times are right.
-                    renderer.timing = Timing::Serial;
-                }
-                self.bench.insert(Bench { renderer, software, scene: None })
+    /// The device, with the scene on it and its parts arranged.
+    fn prepare(
+        &mut self,
+        scene: &Arc<Scene>,
+        number: u64,
+        arrangement: &Arrangement,
+    ) -> Result<&mut Bench, RenderError> {
+        if self.bench.is_none() {
+            let gpu = Gpu::new(&GpuOptions::default())?;
+            let software = gpu.facts().device_type == "Cpu";
+            let mut renderer = Renderer::new(gpu)?;
+            renderer.cancel = Some(Arc::clone(&self.cancel));
+            if self.kind == Kind::Exact && software {
+                // Passes one by one: they can be cancelled in between, and their times are right.
+                renderer.timing = Timing::Serial;
             }
+            self.bench = Some(Bench { renderer, software, scene: None });
+        }
+        let Some(bench) = &mut self.bench else {
+            return Err(RenderError::Cancelled);
         };
-        if bench.scene.as_ref().is_none_or(|(number, _)| *number != order.scene_number) {
+        if bench.scene.as_ref().is_none_or(|s| s.number != number) {
             bench.scene = None;
             let coarse = if self.kind == Kind::Preview && bench.software {
-                simplified(&order.scene, SOFTWARE_TRIANGLES)
+                simplified(scene, SOFTWARE_TRIANGLES).map(Arc::new)
             } else {
                 None
             };
-            let scene = bench.renderer.load(coarse.as_ref().unwrap_or(&order.scene))?;
-            bench.scene = Some((order.scene_number, scene));
+            let source = coarse.unwrap_or_else(|| Arc::clone(scene));
+            let scene = bench.renderer.load(&source)?;
+            bench.scene = Some(Uploaded { number, source, scene, arrangement: Arrangement::default() });
             lock(&self.pace).restart();
         }
-        let Some((_, scene)) = &bench.scene else {
+        if let Some(uploaded) = &mut bench.scene
+            && uploaded.arrangement != *arrangement
+        {
+            bench.renderer.arrange(&mut uploaded.scene, &uploaded.source, arrangement)?;
+            uploaded.arrangement = arrangement.clone();
+        }
+        Ok(bench)
+    }
+
+    /// The layers under a pixel. What fails is said, and nothing is picked.
+    fn pick(&mut self, order: &PickOrder) -> Option<Delivery> {
+        let result = catch_unwind(AssertUnwindSafe(|| {
+            let bench = self.prepare(&order.scene, order.scene_number, &order.seen.arrangement)?;
+            let Some(uploaded) = &bench.scene else {
+                return Ok(Vec::new());
+            };
+            let Seen { camera, settings, .. } = &order.seen;
+            bench.renderer.pick(&uploaded.scene, camera, settings, order.size, order.pixel)
+        }));
+        match result {
+            Ok(Ok(layers)) => Some(Delivery::Picked(Picked { pixel: order.pixel, of: order.seen.camera, layers })),
+            Ok(Err(RenderError::Cancelled)) => None,
+            Ok(Err(error)) => {
+                tracing::warn!("nothing could be picked: {error}");
+                None
+            }
+            Err(_) => {
+                self.bench = None;
+                None
+            }
+        }
+    }
+
+    fn draw(&mut self, order: &Order) -> Result<Picture, RenderError> {
+        let (kind, pace) = (self.kind, Arc::clone(&self.pace));
+        let bench = self.prepare(&order.scene, order.scene_number, &order.seen.arrangement)?;
+        let Some(Uploaded { scene, .. }) = &bench.scene else {
             return Err(RenderError::Cancelled);
         };
         let begin = Instant::now();
         let mut settings = order.seen.settings.clone();
-        let size = match self.kind {
+        let size = match kind {
             Kind::Exact => order.size,
             Kind::Preview => {
                 settings.image.samples = 1;
-                lock(&self.pace).size(order.size)
+                lock(&pace).size(order.size)
             }
         };
         let frame = bench.renderer.render(scene, &order.seen.camera, &settings, size)?;
         let background = parse_background(&settings.image.background).unwrap_or_default();
         let rgba = rgba8(&frame.image, background);
         let milliseconds = begin.elapsed().as_secs_f64() * 1e3;
-        tracing::debug!("{} {}: {size:?} in {milliseconds:.1} ms", self.kind.name(), order.number);
-        if self.kind == Kind::Preview {
-            lock(&self.pace).measured(milliseconds);
+        tracing::debug!("{} {}: {size:?} in {milliseconds:.1} ms", kind.name(), order.number);
+        if kind == Kind::Preview {
+            lock(&pace).measured(milliseconds);
         }
         Ok(Picture {
             number: order.number,
-            kind: self.kind,
+            kind,
             scene_number: order.scene_number,
             viewport: order.size,
             size,

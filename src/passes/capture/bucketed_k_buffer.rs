@@ -18,9 +18,9 @@
 //! paper's 128 bits are key, bucket, colour and normal. What overflows k is counted and left out, or averaged (tail).
 
 use crate::gpu::{GpuError, ShaderSpec};
-use crate::passes::Context;
-use crate::passes::geometry::{GpuScene, Vertices, draw};
+use crate::passes::geometry::{GpuScene, Vertices, draw, recolor};
 use crate::passes::store::{StoreModules, packed_depth};
+use crate::passes::{Context, opacity};
 use crate::plan::{Capture, FramePlan, Opacity, Pass};
 use crate::settings::{Axis, Effect, Knob, SlotSearch};
 
@@ -127,7 +127,8 @@ pub fn data_storage_spec(plan: &FramePlan, vertex: ShaderSpec) -> ShaderSpec {
         (_, Opacity::Depth | Opacity::Curvature) => &[TAIL_AVERAGE, "passes/capture/bucketed_k_buffer/tail_transfer"],
     };
     let spec = vertex.with("passes/capture/bucketed_k_buffer/data_storage").with(key).with(slot).with(part);
-    let spec = tail.iter().fold(spec, |spec, module| spec.with(module));
+    let spec = tail.iter().fold(spec.with(recolor(plan)), |spec, module| spec.with(module));
+    let spec = if tail.len() > 1 { spec.with(opacity::looks(plan)) } else { spec };
     with_packed_depth(modules.colors(modules.normals(spec)), plan.capture)
 }
 

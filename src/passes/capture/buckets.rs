@@ -11,12 +11,15 @@ use crate::passes::Context;
 use crate::passes::store::StoreModules;
 use crate::plan::{Capture, FramePlan, Pass};
 
+/// The module that reads a layer's part off its key.
+pub fn part_of_key(plan: &FramePlan) -> &'static str {
+    if plan.capture.is_wide() { "passes/buckets/part_of_wide64" } else { "passes/buckets/part_of_packed32" }
+}
+
 /// The shader of [`part_lookup`].
 pub fn part_lookup_spec(plan: &FramePlan) -> ShaderSpec {
     let modules = StoreModules::of(plan);
-    let part_of =
-        if plan.capture.is_wide() { "passes/buckets/part_of_wide64" } else { "passes/buckets/part_of_packed32" };
-    modules.keys(modules.layout(ShaderSpec::new("passes/buckets/part_lookup").with(part_of)))
+    modules.keys(modules.layout(ShaderSpec::new("passes/buckets/part_lookup").with(part_of_key(plan))))
 }
 
 /// What [`z_reordering`] sorts.

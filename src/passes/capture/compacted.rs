@@ -12,7 +12,7 @@
 use super::sort;
 use crate::gpu::{GpuError, ShaderSpec};
 use crate::passes::Context;
-use crate::passes::geometry::{GpuScene, Vertices, draw};
+use crate::passes::geometry::{GpuScene, Vertices, draw, recolor};
 use crate::passes::store::StoreModules;
 use crate::plan::{FramePlan, Pass};
 
@@ -32,7 +32,7 @@ pub fn prefix_sum_spec() -> ShaderSpec {
 
 /// The shader of [`append`], over a vertex stage.
 pub fn append_spec(plan: &FramePlan, vertex: ShaderSpec) -> ShaderSpec {
-    StoreModules::of(plan).normals(vertex.with("passes/capture/compacted/append"))
+    StoreModules::of(plan).normals(vertex.with("passes/capture/compacted/append").with(recolor(plan)))
 }
 
 /// What [`sort_by_depth`] sorts.

@@ -2,10 +2,12 @@
 //! jittered frames.
 
 pub mod cases;
+pub mod outline;
 
 use crate::gpu::{GpuError, ShaderSpec};
-use crate::passes::Context;
+use crate::passes::capture::buckets;
 use crate::passes::store::StoreModules;
+use crate::passes::{Context, opacity};
 use crate::plan::{Capture, FramePlan, Pass};
 use crate::settings::{Axis, Effect, Knob};
 
@@ -33,7 +35,16 @@ pub fn blend_spec(plan: &FramePlan) -> ShaderSpec {
         Capture::BucketedKBuffer { tail: true, .. } => "passes/composite/tail_average",
         _ => "passes/composite/tail_none",
     };
-    StoreModules::of(plan).layout(ShaderSpec::new("passes/composite/blend").with(tail))
+    let modules = StoreModules::of(plan);
+    let spec = modules.layout(ShaderSpec::new("passes/composite/blend").with(tail));
+    if !plan.faded {
+        return spec.with("passes/composite/layers_alike");
+    }
+    let spec = spec.with("passes/composite/layers_by_part").with(opacity::looks(plan));
+    if plan.columns().iter().any(|(name, _)| *name == "parts") {
+        return spec.with("passes/buckets/part_of_column");
+    }
+    modules.keys(spec.with(buckets::part_of_key(plan)))
 }
 
 /// The shader of [`show_opaque`].

@@ -6,7 +6,10 @@ use super::{GpuMaterial, GpuPart, GpuPrimitive, GpuScene};
 use crate::gpu::{Gpu, GpuError, SharedLayouts};
 use crate::math::color::{linear_from_srgb, srgb_from_linear};
 use crate::passes::{MaterialUniform, PartFacts};
-use crate::scene::{AlphaMode, Arrangement, Image, Material, Mip, Primitive, Scene, SceneStats, TextureRef, Wrap};
+use crate::scene::{
+    AlphaMode, Arrangement, Image, Material, Mip, Part, PartStyle, Presence, Primitive, Scene, SceneStats, TextureRef,
+    Wrap,
+};
 
 /// Bit that says: the vertex normals oppose the winding (as in `scene/instance.wgsl`).
 const OPPOSED: u32 = 0x8000_0000;
@@ -299,7 +302,50 @@ fn upload_material(
     })
 }
 
+/// What shaders know of each part; an empty scene still has one entry, that of no part.
+fn part_table(scene: &Scene, arrangement: &Arrangement) -> Vec<PartFacts> {
+    let facts = |(index, part): (usize, &Part)| {
+        let look = arrangement.look(index as u32);
+        let radius = part.bounds.bounding_sphere().radius;
+        let bit = |is_set: bool, bit: u32| u32::from(is_set) << bit;
+        let color = look.color.map(|c| c.map(|v| linear_from_srgb(v) as f32));
+        PartFacts {
+            first_triangle: part.first_triangle,
+            // Reciprocals of powers of two times a radius are exact multiples, so scaling a model by 1024 changes no bit.
+            inverse_radius: if radius > 0.0 { (1.0 / radius) as f32 } else { 1.0 },
+            radius: if radius > 0.0 { radius as f32 } else { 1.0 },
+            look: (look.opacity as f32).to_bits()
+                | bit(look.style == PartStyle::Solid, 31)
+                | bit(look.presence == Presence::Ghosted, 30),
+            color: color.map_or([0.0; 4], |[r, g, b]| [r, g, b, 1.0]),
+        }
+    };
+    let mut table: Vec<PartFacts> = scene.parts.iter().enumerate().map(facts).collect();
+    if table.is_empty() {
+        table.push(bytemuck::Zeroable::zeroed());
+    }
+    table
+}
+
 impl GpuScene {
+    /// Shows the parts as an arrangement that fits the scene says: where they are, how they look, what the planner knows.
+    ///
+    /// # Errors
+    /// [`GpuError`] of the device.
+    pub fn arrange(&mut self, gpu: &Gpu, scene: &Scene, arrangement: &Arrangement) -> Result<(), GpuError> {
+        let placed = arrangement.placed(scene);
+        for (index, (part, place)) in self.parts.iter_mut().zip(&placed.parts).enumerate() {
+            part.world_from_part = place.world_from_part;
+            part.sphere = place.bounds.bounding_sphere();
+            part.is_drawn = arrangement.is_drawn(index as u32);
+            part.is_selected = arrangement.selected.contains(&(index as u32));
+        }
+        gpu.queue.write_buffer(&self.part_table, 0, bytemuck::cast_slice(&part_table(scene, arrangement)));
+        self.stats = arrangement.stats(scene);
+        self.arrangement = arrangement.clone();
+        gpu.check()
+    }
+
     /// Uploads a finished scene.
     ///
     /// `shuffled` puts the triangles of every primitive into another order (for tests; the picture must not change).
@@ -349,26 +395,16 @@ impl GpuScene {
                 first_triangle: p.first_triangle,
                 world_from_part: p.world_from_part,
                 sphere: p.bounds.bounding_sphere(),
+                is_drawn: true,
+                is_selected: false,
             })
             .collect();
         let mut parts_by_mesh = vec![Vec::new(); scene.meshes.len()];
         for (i, part) in parts.iter().enumerate() {
             parts_by_mesh[part.mesh].push(i as u32);
         }
-        let mut table: Vec<PartFacts> = parts
-            .iter()
-            .map(|p| PartFacts {
-                first_triangle: p.first_triangle,
-                // Reciprocals of powers of two times a radius are exact multiples, so scaling a model by 1024 changes no bit.
-                inverse_radius: if p.sphere.radius > 0.0 { (1.0 / p.sphere.radius) as f32 } else { 1.0 },
-                radius: if p.sphere.radius > 0.0 { p.sphere.radius as f32 } else { 1.0 },
-                _pad: 0,
-            })
-            .collect();
-        if table.is_empty() {
-            table.push(PartFacts { first_triangle: 0, inverse_radius: 0.0, radius: 0.0, _pad: 0 });
-        }
-        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
+        let table = part_table(scene, &Arrangement::default());
+        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
         let part_table = gpu.buffer_of("part_table", bytemuck::cast_slice(&table), usage)?;
         gpu.check()?;
         Ok(GpuScene {

@@ -34,7 +34,7 @@ pub const CASES: &[HardCase] = &[HardCase {
 }];
 
 /// The uniform of a transfer function.
-pub fn parameters(transfer: &TransferFunction, gain: f64, constant: f64) -> TransferParameters {
+pub fn parameters(transfer: &TransferFunction, gain: f64, constant: f64, ghost: f64) -> TransferParameters {
     TransferParameters {
         color_mode: match transfer.color.mode {
             ColorMode::Tint => 0,
@@ -42,7 +42,7 @@ pub fn parameters(transfer: &TransferFunction, gain: f64, constant: f64) -> Tran
         },
         gain: gain as f32,
         constant: constant as f32,
-        _pad: 0,
+        ghost: ghost as f32,
     }
 }
 
@@ -58,6 +58,12 @@ pub fn tables(gpu: &Gpu, transfer: &TransferFunction) -> Result<[wgpu::Buffer; 2
         gpu.buffer_of("color_table", bytemuck::cast_slice(&colors), usage)?,
         gpu.buffer_of("opacity_table", bytemuck::cast_slice(&baked.opacity), usage)?,
     ])
+}
+
+/// The module that multiplies a layer's opacity by its part's, where parts have opacities of their own. It acts after the
+/// transfer functions and after the clamp, so that lines fade like everything else.
+pub fn looks(plan: &FramePlan) -> &'static str {
+    if plan.faded { "passes/opacity/looks_by_part" } else { "passes/opacity/looks_none" }
 }
 
 /// The shader of [`stylize`].

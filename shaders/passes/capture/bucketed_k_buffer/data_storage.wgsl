@@ -6,7 +6,8 @@
 @fragment
 fn fragment_main(v: Varyings, @builtin(front_facing) front_facing: bool) -> @location(0) vec4<f32> {
     // Derivatives need every invocation of the quad, so the surface comes before any early return.
-    let surface = captured_surface(v, front_facing);
+    var surface = captured_surface(v, front_facing);
+    surface.color = recolored(v.part, surface.color);
     if is_cut_out(v) {
         discard;
     }

@@ -24,7 +24,7 @@ fn store_tail(pixel: u32, v: Varyings, surface: Captured, dropped: bool) {
     );
     let color = lit_color(surface.color, surface.normal, vec2<u32>(word, pack_rgb9e5(surface.emissive)), eye);
     let styled = tail_style(color, depth);
-    let alpha = clamp(styled.a, 0.0, 1.0);
+    let alpha = part_alpha(v.part, clamp(styled.a, 0.0, 1.0), transfer.ghost);
     let weighted = vec3<u32>(clamp(styled.rgb, vec3<f32>(0.0), vec3<f32>(4.0)) * (alpha * TAIL_UNIT) + 0.5);
     atomicAdd(&tail[6u * pixel], weighted.x);
     atomicAdd(&tail[6u * pixel + 1u], weighted.y);

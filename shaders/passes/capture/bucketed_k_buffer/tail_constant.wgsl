@@ -4,7 +4,7 @@ struct TransferParameters {
     color_mode: u32,
     gain: f32,
     constant: f32,
-    _pad: u32,
+    ghost: f32,
 }
 @group(1) @binding(26) var<uniform> transfer: TransferParameters;
 

@@ -20,7 +20,8 @@ struct StoreLayout {
 
 @fragment
 fn fragment_main(v: Varyings, @builtin(front_facing) front_facing: bool) -> @location(0) vec4<f32> {
-    let s = captured_surface(v, front_facing);
+    var s = captured_surface(v, front_facing);
+    s.color = recolored(v.part, s.color);
     if is_cut_out(v) {
         discard;
     }

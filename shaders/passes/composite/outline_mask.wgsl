@@ -1,0 +1,9 @@
+// Outline mask: every pixel that is covered, whatever is in front.
+
+@fragment
+fn fragment_main(v: Varyings) -> @location(0) vec4<f32> {
+    if is_cut_out(v) {
+        discard;
+    }
+    return vec4<f32>(1.0);
+}

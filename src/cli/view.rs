@@ -1,0 +1,266 @@
+//! What is seen: a model or a session, and the options beside it, as one [`Session`] with its scene.
+//!
+//! Everything goes through the session that `--save-session` writes, the camera in the file's coordinates included, so that
+//! rendering it again gives the same picture bit for bit.
+
+use std::collections::BTreeSet;
+use std::io::Read;
+use std::path::Path;
+
+use clap::Args;
+
+use super::failure::{Exit, Failure};
+use super::load;
+use super::options::ViewArgs;
+use super::output::Progress;
+use crate::scene::arrangement::MOST_EXPLODED;
+use crate::scene::{Arrangement, Presence, Scene};
+use crate::session::{PartNames, Session, SessionFile, camera_in_file, camera_in_scene};
+use crate::settings::Settings;
+
+/// Largest session that is read, bytes.
+const LARGEST_SESSION: u64 = 64 << 20;
+/// Picture size unless another is asked for.
+const SIZE: [u32; 2] = [1000, 1000];
+
+/// Options for parts, each by its path in the hierarchy or by a name that only one has; a group's name means all below it.
+#[derive(Args, Clone, Debug, Default)]
+#[command(next_help_heading = "Parts")]
+pub struct PartArgs {
+    /// Show this part, or all of a group, and ghost the rest
+    #[arg(long, value_name = "PART")]
+    pub isolate: Vec<String>,
+    /// Show this part as a ghost of itself
+    #[arg(long, value_name = "PART")]
+    pub ghost: Vec<String>,
+    /// Do not draw this part
+    #[arg(long, value_name = "PART")]
+    pub hide: Vec<String>,
+    /// Outline this part through everything in front of it
+    #[arg(long, value_name = "PART")]
+    pub select: Vec<String>,
+    /// Move parts apart, level by level of the hierarchy: 0 to 4
+    #[arg(long, value_name = "FACTOR", value_parser = factor)]
+    pub explode: Option<f64>,
+}
+
+fn factor(text: &str) -> Result<f64, String> {
+    text.parse::<f64>()
+        .ok()
+        .filter(|v| (0.0..=MOST_EXPLODED).contains(v))
+        .ok_or_else(|| format!("expected a number from 0 to {MOST_EXPLODED}"))
+}
+
+impl PartArgs {
+    /// Changes an arrangement as the options say: isolated parts first, then ghosts, then what is hidden.
+    ///
+    /// # Errors
+    /// [`Exit::Usage`] for a name that no part has, or several have.
+    fn apply(&self, arrangement: &mut Arrangement, scene: &Scene) -> Result<(), Failure> {
+        if let Some(explode) = self.explode {
+            arrangement.explode = explode;
+        }
+        if [&self.isolate, &self.ghost, &self.hide, &self.select].iter().all(|list| list.is_empty()) {
+            return Ok(());
+        }
+        let names = PartNames::new(scene);
+        let found = |option: &str, list: &[String]| -> Result<BTreeSet<u32>, Failure> {
+            let mut all = BTreeSet::new();
+            for name in list {
+                all.extend(names.find(name).map_err(|e| Failure::new(Exit::Usage, format!("{option}: {e}")))?);
+            }
+            Ok(all)
+        };
+        if !self.isolate.is_empty() {
+            arrangement.isolate(&found("--isolate", &self.isolate)?, scene.parts.len() as u32);
+        }
+        for (option, list, presence) in
+            [("--ghost", &self.ghost, Presence::Ghosted), ("--hide", &self.hide, Presence::Hidden)]
+        {
+            for part in found(option, list)? {
+                arrangement.parts.entry(part).or_default().presence = presence;
+            }
+        }
+        arrangement.selected.extend(found("--select", &self.select)?);
+        Ok(())
+    }
+}
+
+/// A view whose options are known to be sound; the scene is not there yet.
+pub struct Asked<'a> {
+    args: &'a ViewArgs,
+    session: Option<SessionFile>,
+    /// The model, or `builtin:NAME`.
+    pub file: String,
+    /// Width and height of the picture, pixels.
+    pub size: [u32; 2],
+    /// The settings.
+    pub settings: Settings,
+}
+
+impl ViewArgs {
+    /// Reads the session, if there is one, and the settings.
+    ///
+    /// # Errors
+    /// [`Exit::Usage`] for what the command line says, [`Exit::Input`] for what files say.
+    pub fn asked(&self) -> Result<Asked<'_>, Failure> {
+        let session = self.session.as_deref().map(read_session).transpose()?;
+        let base = session.as_ref().map_or_else(Settings::default, |s| s.settings().clone());
+        let settings = self.look.settings_over(base)?;
+        let file = match (&self.file, &session) {
+            (Some(file), _) => file.clone(),
+            (None, Some(session)) => session.file().to_owned(),
+            (None, None) => return Err(Failure::new(Exit::Usage, "neither a model nor --session is given")),
+        };
+        let size = self.size.or(session.as_ref().map(SessionFile::size)).unwrap_or(SIZE);
+        Ok(Asked { args: self, session, file, size, settings })
+    }
+}
+
+impl Asked<'_> {
+    /// Loads the scene and says what is seen of it.
+    ///
+    /// # Errors
+    /// [`Exit::Input`] for a file that cannot be read or a session that does not fit it, [`Exit::Usage`] for names that the
+    /// command line has wrong.
+    pub fn load(self, progress: &Progress) -> Result<(Scene, Session), Failure> {
+        let Asked { args, session, file, size, settings } = self;
+        let scene = load::scene(&file, progress)?;
+        let path = args.session.as_deref().unwrap_or(Path::new(""));
+        let kept = session.map(|s| s.resolve(&scene)).transpose();
+        let kept = kept.map_err(|e| Failure::about(Exit::Input, path.display(), &e))?;
+        let mut arrangement = kept.as_ref().map_or_else(Arrangement::default, |s| s.arrangement.clone());
+        args.parts.apply(&mut arrangement, &scene)?;
+        arrangement.check(&scene).map_err(|e| Failure::of(Exit::Usage, &e))?;
+        let camera = match &kept {
+            Some(session) if args.camera.only_turns() => {
+                camera_in_file(&args.camera.turned(camera_in_scene(&session.camera, &scene)), &scene)
+            }
+            Some(session) if !args.camera.is_given() => session.camera,
+            _ => {
+                let aspect = f64::from(size[0]) / f64::from(size[1]);
+                let bounds = arrangement.framed_bounds(&scene);
+                camera_in_file(&args.camera.camera_around(&scene, &bounds, aspect)?, &scene)
+            }
+        };
+        Ok((scene, Session { file, size, camera, settings, arrangement }))
+    }
+}
+
+/// Reads a session; relative paths in it count from its folder.
+fn read_session(path: &Path) -> Result<SessionFile, Failure> {
+    let at = path.display();
+    let input = |message: String| Failure::new(Exit::Input, message);
+    let mut text = String::new();
+    let file = std::fs::File::open(path).map_err(|e| input(format!("{at}: {e}")))?;
+    file.take(LARGEST_SESSION + 1).read_to_string(&mut text).map_err(|e| input(format!("{at}: {e}")))?;
+    if text.len() as u64 > LARGEST_SESSION {
+        return Err(input(format!("{at}: larger than {} MiB", LARGEST_SESSION >> 20)));
+    }
+    let session = Session::from_toml(&text).map_err(|e| match e {
+        crate::session::SessionError::Syntax { .. } => input(format!("{at}:{e}")),
+        _ => input(format!("{at}: {e}")),
+    })?;
+    Ok(session.rebased(path.parent().unwrap_or(Path::new(""))))
+}
+
+/// A session as text, with its paths as they count from where it is written.
+///
+/// # Errors
+/// [`Exit::General`] if it cannot be written.
+pub fn session_text(session: &Session, scene: &Scene, path: &Path) -> Result<String, Failure> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let text = session.clone().for_folder(folder).and_then(|s| s.to_toml(scene));
+    text.map_err(|e| Failure::about(Exit::General, path.display(), &e))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::builtin;
+
+    fn view(line: &str) -> Result<(Scene, Session), Failure> {
+        #[derive(clap::Parser)]
+        struct Line {
+            #[command(flatten)]
+            view: ViewArgs,
+        }
+        let words = std::iter::once("test").chain(line.split_whitespace());
+        let line = <Line as clap::Parser>::try_parse_from(words).map_err(|e| Failure::new(Exit::Usage, e))?;
+        line.view.asked()?.load(&Progress::new())
+    }
+
+    fn shot(line: &str) -> Session {
+        view(line).unwrap_or_else(|e| panic!("{line}: {e:?}")).1
+    }
+
+    #[test]
+    fn a_session_stands_for_the_options_that_made_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("s.toml");
+        let line =
+            "builtin:gearbox --size 320x200 --k 7 --explode 0.5 --camera front --orthographic --set opacity.gain=2";
+        let (scene, session) = view(line).unwrap();
+        std::fs::write(&path, session_text(&session, &scene, &path).unwrap()).unwrap();
+        let again = format!("--session {}", path.display());
+        assert_eq!(shot(&again), session);
+        // Options beside it win.
+        let other = shot(&format!("{again} --size 8x8 --explode 0 --set opacity.gain=3"));
+        assert_eq!((other.size, other.arrangement.explode), ([8, 8], 0.0));
+        assert_eq!((other.settings.opacity.gain, other.settings.capture.bucketed_k_buffer.k), (3.0, 7));
+        assert_eq!(other.camera, session.camera);
+        let turned = shot(&format!("{again} --camera-azimuth-angle 90"));
+        assert!((turned.camera.distance() - session.camera.distance()).abs() < 1e-9);
+        assert!((turned.camera.direction() - glam::DVec3::NEG_X).length() < 1e-9);
+        let framed = shot(&format!("{again} --camera top"));
+        assert!((framed.camera.direction() - glam::DVec3::NEG_Y).length() < 1e-9);
+    }
+
+    #[test]
+    fn parts_are_named_by_options() {
+        let scene = builtin::build("gearbox").unwrap();
+        let names = PartNames::new(&scene);
+        let (a, b) = (names.path(0).unwrap(), names.path(1).unwrap());
+        let quoted = |line: String| {
+            #[derive(clap::Parser)]
+            struct Line {
+                #[command(flatten)]
+                view: ViewArgs,
+            }
+            let words = line.split('|').map(str::to_owned).collect::<Vec<_>>();
+            let line = <Line as clap::Parser>::try_parse_from(words).unwrap();
+            line.view.asked()?.load(&Progress::new())
+        };
+        let (_, session) = quoted(format!("test|builtin:gearbox|--isolate|{a}|--hide|{b}|--select|{a}")).unwrap();
+        let look = |part: u32| session.arrangement.look(part).presence;
+        assert_eq!((look(0), look(1), look(2)), (Presence::Shown, Presence::Hidden, Presence::Ghosted));
+        assert_eq!(session.arrangement.selected, BTreeSet::from([0]));
+        let e = quoted("test|builtin:gearbox|--ghost|no such part".to_owned()).unwrap_err();
+        assert!(
+            e.exit == Exit::Usage && e.message.starts_with("--ghost: no part is called 'no such part'; did"),
+            "{e:?}"
+        );
+        assert_eq!(view("builtin:gearbox --explode 5").unwrap_err().exit, Exit::Usage);
+    }
+
+    #[test]
+    fn what_is_wrong_in_a_session_is_said_with_its_place() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("s.toml");
+        let said = |text: &str| {
+            std::fs::write(&path, text).unwrap();
+            let e = view(&format!("--session {}", path.display())).unwrap_err();
+            assert_eq!(e.exit, Exit::Input, "{e:?}");
+            e.message
+        };
+        let (scene, session) = view("builtin:gearbox").unwrap();
+        let text = session_text(&session, &scene, &path).unwrap();
+        assert!(said("file = ").contains("s.toml:1:"));
+        assert!(said(&text.replace("builtin:gearbox", "gone.glb")).contains("gone.glb"));
+        let e = said(&format!("{text}\n[[arrangement.parts]]\npart = 'nothing'\n"));
+        assert!(e.contains("s.toml: no part is called 'nothing'"), "{e}");
+        let e = view("--session nowhere.toml").unwrap_err();
+        assert!(e.exit == Exit::Input && e.message.contains("nowhere.toml"), "{e:?}");
+        assert_eq!(view("").unwrap_err().exit, Exit::Usage);
+    }
+}

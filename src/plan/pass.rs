@@ -1,0 +1,114 @@
+//! The passes of a frame, by name and in order.
+
+use serde::Serialize;
+
+/// Everything that can run in a frame, in the order in which it would; data storage comes before the buckets where it does
+/// not need them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Pass {
+    /// Nearest surfaces by the depth test, lit at once.
+    Opaque,
+    /// Brings the opaque pass's colours into the image.
+    ShowOpaque,
+    /// Empties the k-buffer's rows.
+    Clear,
+    /// The k nearest keys of every pixel (Murray 2016, step 1).
+    ZInsertion,
+    /// Layers stored, merged, dropped.
+    CountLayers,
+    /// Fragments of every pixel.
+    Count,
+    /// Where each pixel's layers begin.
+    PrefixSum,
+    /// Keys and surfaces in order of arrival.
+    Append,
+    /// Order by depth.
+    Sort,
+    /// Surfaces in that order.
+    Gather,
+    /// The part of every layer.
+    PartLookup,
+    /// Layers by part (Murray 2016, step 2).
+    ZReordering,
+    /// Hash table of parts (Murray 2016, step 3).
+    BucketCreation,
+    /// Surfaces of the stored keys (Murray 2016, step 4).
+    DataStorage,
+    /// Best candidate in each direction.
+    NeighbourCandidates,
+    /// Reverse check.
+    NeighbourLinks,
+    /// Curvature.
+    Curvature,
+    /// Light.
+    Shade,
+    /// Colour and opacity by transfer functions.
+    Stylize,
+    /// Composition.
+    Blend,
+    /// Pixels that the selected parts cover, whatever is in front.
+    OutlineMask,
+    /// A line around them.
+    Outline,
+    /// Average of jittered frames.
+    Accumulate,
+}
+
+impl Pass {
+    /// All passes, in order.
+    pub const ALL: [Pass; 23] = [
+        Pass::Opaque,
+        Pass::ShowOpaque,
+        Pass::Clear,
+        Pass::ZInsertion,
+        Pass::CountLayers,
+        Pass::Count,
+        Pass::PrefixSum,
+        Pass::Append,
+        Pass::Sort,
+        Pass::Gather,
+        Pass::PartLookup,
+        Pass::ZReordering,
+        Pass::BucketCreation,
+        Pass::DataStorage,
+        Pass::NeighbourCandidates,
+        Pass::NeighbourLinks,
+        Pass::Curvature,
+        Pass::Shade,
+        Pass::Stylize,
+        Pass::Blend,
+        Pass::OutlineMask,
+        Pass::Outline,
+        Pass::Accumulate,
+    ];
+
+    /// Name as in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Pass::Opaque => "opaque",
+            Pass::ShowOpaque => "show opaque",
+            Pass::Clear => "clear",
+            Pass::ZInsertion => "z insertion",
+            Pass::CountLayers => "count layers",
+            Pass::Count => "count",
+            Pass::PrefixSum => "prefix sum",
+            Pass::Append => "append",
+            Pass::Sort => "sort",
+            Pass::Gather => "gather",
+            Pass::PartLookup => "part lookup",
+            Pass::ZReordering => "z reordering",
+            Pass::BucketCreation => "bucket creation",
+            Pass::DataStorage => "data storage",
+            Pass::NeighbourCandidates => "neighbour candidates",
+            Pass::NeighbourLinks => "neighbour links",
+            Pass::Curvature => "curvature",
+            Pass::Shade => "shade",
+            Pass::Stylize => "stylize",
+            Pass::Blend => "blend",
+            Pass::OutlineMask => "outline mask",
+            Pass::Outline => "outline",
+            Pass::Accumulate => "accumulate",
+        }
+    }
+}
