@@ -260,6 +260,7 @@ impl Shell {
             pictures.ask(&document.scene, self.workspace.scene_number, &document.seen, self.workspace.viewport.size);
         if number != self.workspace.order {
             self.workspace.order = number;
+            tracing::debug!("order {number}, viewport {:?}", self.workspace.viewport);
             self.workspace.refusal = None;
             self.inputs.push_back((number, self.now));
             self.undrawn.push_back((number, self.now));
@@ -322,7 +323,10 @@ impl Shell {
             Drawn::Again => open.window.request_redraw(),
             Drawn::Lost => self.reopen(event_loop),
         }
-        self.repaint_at = Instant::now().checked_add(delay).filter(|_| delay < Duration::from_secs(3600));
+        let asked = Instant::now().checked_add(delay).filter(|_| delay < Duration::from_secs(3600));
+        // A frame at the end of turning the wheel makes a step of it.
+        let rested = self.wheel_at.map(|at| at + WHEEL_RESTS).filter(|at| *at > Instant::now());
+        self.repaint_at = [asked, rested].into_iter().flatten().min();
         self.fulfil(event_loop);
     }
 
@@ -599,11 +603,9 @@ impl ApplicationHandler<Event> for Shell {
             WindowEvent::MouseWheel { delta, .. } if self.over_picture() => {
                 self.wheel(delta);
             }
-            WindowEvent::KeyboardInput { event, is_synthetic: false, .. } => {
-                if self.key(&event) {
-                    self.fulfil(event_loop);
-                    redraw = true;
-                }
+            WindowEvent::KeyboardInput { event, is_synthetic: false, .. } if self.key(&event) => {
+                self.fulfil(event_loop);
+                redraw = true;
             }
             WindowEvent::DroppedFile(path) => self.load(&path.to_string_lossy()),
             WindowEvent::Focused(false) => {

@@ -17,6 +17,7 @@ pub const KEYS: &[(&str, &str)] = &[
     ("Ctrl+P", "Save the picture"),
     ("Ctrl+Shift+C", "Copy as command line"),
     ("F1", "This list"),
+    ("Esc", "Dismiss messages"),
     ("Ctrl+Q", "Quit"),
 ];
 

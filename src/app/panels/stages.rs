@@ -20,6 +20,7 @@ pub const STAGES: &[(&str, &str)] = &[
     ("features", "2  Features"),
     ("opacity", "3  Opacity"),
     ("light", "Light"),
+    ("outline", "Outline of the selection"),
     ("image", "Picture"),
 ];
 
