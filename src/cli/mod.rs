@@ -26,6 +26,7 @@ use std::process::ExitCode;
 use clap::Parser;
 use serde::Serialize;
 
+use crate::app;
 use crate::export::image::{Difference, LinearImage, compare, parse_background};
 use crate::export::png::{read_png, write_png};
 use crate::render::FrameReport;
@@ -69,7 +70,11 @@ pub fn main() -> ExitCode {
         }
     };
     log_to_stderr();
-    match run(cli.command) {
+    let done = match cli.command {
+        Some(command) => run(command),
+        None => app::run(&cli.files).map_err(|e| Failure::of(Exit::General, &e)),
+    };
+    match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             output::complain(&failure.line());
@@ -80,7 +85,9 @@ pub fn main() -> ExitCode {
 
 fn log_to_stderr() {
     let filter = tracing_subscriber::EnvFilter::try_from_default_env().unwrap_or_else(|_| {
-        tracing_subscriber::EnvFilter::new("warn,wgpu_core=error,wgpu_hal=error,wgpu_hal::gles=off,naga=error")
+        tracing_subscriber::EnvFilter::new(
+            "warn,wgpu_core=error,wgpu_hal=error,wgpu_hal::gles=off,naga=error,rfd=off,zbus=error",
+        )
     });
     let colours = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty());
     // Fails only where a host program logs already.

@@ -16,11 +16,14 @@ use super::view::PartArgs;
 
 /// Shows the inside of 3D models without losing their shape.
 #[derive(Parser, Clone, Debug)]
-#[command(name = "pellucid", version, about, after_help = ENVIRONMENT)]
+#[command(name = "pellucid", version, about, after_help = ENVIRONMENT, args_conflicts_with_subcommands = true)]
 pub struct Cli {
-    /// What to do.
+    /// What to do; without a command a window opens.
     #[command(subcommand)]
-    pub command: Command,
+    pub command: Option<Command>,
+    /// Models or sessions to open in the window, or builtin:NAME
+    #[arg(value_name = "FILE", value_parser = model)]
+    pub files: Vec<String>,
 }
 
 /// What to do.
@@ -146,6 +149,15 @@ pub struct PlanArgs {
     pub json: bool,
 }
 
+/// A file for the window. A bare word that is no file was meant to be a command.
+fn model(text: &str) -> Result<String, String> {
+    let word = !text.contains(['.', '/', '\\', ':']);
+    if word && !std::path::Path::new(text).exists() {
+        return Err("there is no such command and no such file; `pellucid --help` lists the commands".to_owned());
+    }
+    Ok(text.to_owned())
+}
+
 /// Parses `WxH`: both whole and at least 1.
 pub fn size(text: &str) -> Result<[u32; 2], String> {
     let side = |s: &str| s.parse::<u32>().ok().filter(|n| *n > 0 && s.bytes().all(|b| b.is_ascii_digit()));
@@ -205,7 +217,6 @@ mod tests {
     #[test]
     fn usage_errors_exit_with_2() {
         for line in [
-            "",
             "render",
             "render a.glb",
             "render a.glb -o b.png --size 0x0",
@@ -226,6 +237,8 @@ mod tests {
             assert_eq!(code, Err(2), "{line}");
         }
         for line in [
+            "",
+            "a.glb builtin:gearbox",
             "render a.glb -o b.png",
             "render a.glb --reference b.png --threshold 0.1",
             "render a.glb --stats -",

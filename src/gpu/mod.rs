@@ -16,7 +16,7 @@ use crate::plan::{self, Capabilities};
 
 pub use buffers::{Resource, Resources};
 pub use kernel::{Kernel, RasterKernel, RasterSpec, SharedLayouts};
-pub use recorder::{PassTime, Recorder, Timing};
+pub use recorder::{PassTime, Recorder, Timing, go_on};
 pub use shaders::{ShaderSpec, Shaders, compose, shader_files};
 
 /// Why the device did not do what was asked.
@@ -71,6 +71,9 @@ pub enum GpuError {
     /// The device reported an error.
     #[error("the graphics device reports: {0}")]
     Device(String),
+    /// What was asked is no longer wanted.
+    #[error("cancelled")]
+    Cancelled,
     /// The device was lost.
     #[error("the graphics device was lost: {0}")]
     Lost(String),
