@@ -30,6 +30,8 @@ use mouse::Drag;
 
 /// Turning the wheel is one gesture until it rests so long.
 const WHEEL_RESTS: Duration = Duration::from_millis(300);
+/// Most that frames that follow the mouse are held back.
+const LONGEST_REST: Duration = Duration::from_millis(40);
 /// Devices that are opened again in a row before giving up.
 const MOST_REOPENED: u32 = 5;
 
@@ -90,6 +92,9 @@ struct Shell {
     drag: Option<Drag>,
     wheel_at: Option<Instant>,
     repaint_at: Option<Instant>,
+    /// Frames that only follow the mouse take half of the time at most: on a software rasterizer they are drawn by the same
+    /// processor as the pictures.
+    rest_until: Instant,
     reopened: u32,
     frames: u64,
     /// Inputs that no frame answers yet, and those of which no picture is drawn yet: of which order, and when they came.
@@ -130,6 +135,7 @@ impl Shell {
             drag: None,
             wheel_at: None,
             repaint_at: None,
+            rest_until: Instant::now(),
             reopened: 0,
             frames: 0,
             inputs: VecDeque::new(),
@@ -297,6 +303,7 @@ impl Shell {
             self.workspace.say(Gravity::Error, format!("The window's graphics device reports: {complaint}"));
         }
         self.frames += 1;
+        self.rest_until = Instant::now() + begin.elapsed().min(LONGEST_REST);
         tracing::debug!(
             "frame {} in {:.1} ms, {:.1} of it layout",
             self.frames,
@@ -461,6 +468,7 @@ impl ApplicationHandler<Event> for Shell {
         };
         let response = open.egui.on_window_event(&open.window, &event);
         let mut redraw = response.repaint;
+        let follows = matches!(event, WindowEvent::CursorMoved { .. } | WindowEvent::MouseWheel { .. });
         match event {
             WindowEvent::CloseRequested => event_loop.exit(),
             WindowEvent::RedrawRequested => {
@@ -497,7 +505,9 @@ impl ApplicationHandler<Event> for Shell {
             }
             _ => {}
         }
-        if redraw {
+        if redraw && follows && Instant::now() < self.rest_until {
+            self.repaint_at = Some(self.repaint_at.map_or(self.rest_until, |at| at.min(self.rest_until)));
+        } else if redraw {
             self.redraw();
         }
     }
