@@ -77,8 +77,8 @@ fn facts(sweep: &Sweep, subject: &Subject) -> String {
 
 fn words(html: &mut String, sweep: &Sweep, table: &Table) {
     html.push_str(
-        "<section class=\"words\">\n<h2>In words</h2>\n<p class=\"facts\">A step is 1/255 of a channel as displayed; a pixel is \
-         visibly wrong if a channel is more than one step off. FLIP is the difference that a viewer sees, from 0 to 1. A layer's \
+        "<section class=\"words\">\n<h2>In words</h2>\n<p class=\"facts\">A step is the smallest of an 8-bit channel as displayed; a pixel is \
+         visibly wrong if a channel is more than one step off. FLIP is the difference that a viewer sees, from none to all. A layer's \
          links are its neighbours in the next pixels.</p>\n",
     );
     for paragraph in paragraphs(sweep, table) {
