@@ -13,7 +13,7 @@ struct ShadeParameters {
 fn fragment_main(v: Varyings, @builtin(front_facing) front_facing: bool) -> @location(0) vec2<u32> {
     var s = captured_surface(v, front_facing);
     s.color = recolored(v.part, s.color);
-    if is_cut_out(v) {
+    if is_cut_out(v) || is_clipped(v.position, v.part) {
         discard;
     }
     let word = pack_material(MaterialWord(s.metallic, s.roughness, s.occlusion, s.unlit, s.back_side));

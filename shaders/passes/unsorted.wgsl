@@ -20,7 +20,7 @@ struct BlendParameters {
 @fragment
 fn fragment_main(v: Varyings, @builtin(front_facing) front_facing: bool) -> @location(0) vec4<f32> {
     let s = captured_surface(v, front_facing);
-    if is_cut_out(v) {
+    if is_cut_out(v) || is_clipped(v.position, v.part) {
         discard;
     }
     let word = pack_material(MaterialWord(s.metallic, s.roughness, s.occlusion, s.unlit, s.back_side));

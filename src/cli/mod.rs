@@ -14,6 +14,7 @@ mod looks;
 mod options;
 mod output;
 mod render;
+mod section;
 mod tradeoff;
 mod view;
 
@@ -192,6 +193,9 @@ fn render(args: &RenderArgs) -> Result<(), Failure> {
     let (file, size, camera) = (&seen.file, &seen.size, camera_in_scene(&seen.camera, &scene));
     progress.stage("starting the adapter");
     let mut session = Session::open_arranged(&scene, &seen.arrangement)?;
+    for notice in &session.notices {
+        progress.say(&format!("{file}: {notice}"));
+    }
     let timing = if args.stats.is_some() { session.time_passes() } else { "not measured" };
     let mut images = Vec::new();
     let mut pictures = Vec::new();

@@ -9,6 +9,7 @@ use super::bench::BenchCommand;
 use super::camera::CameraArgs;
 use super::hard_cases::HardCasesArgs;
 use super::looks::LookArgs;
+use super::section::SectionArgs;
 use super::tradeoff::TradeoffArgs;
 use super::view::PartArgs;
 
@@ -91,6 +92,9 @@ pub struct ViewArgs {
     /// The look.
     #[command(flatten)]
     pub look: LookArgs,
+    /// Section planes.
+    #[command(flatten)]
+    pub sections: SectionArgs,
     /// The camera.
     #[command(flatten)]
     pub camera: CameraArgs,

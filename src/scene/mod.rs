@@ -14,6 +14,7 @@
 
 pub mod arrangement;
 pub mod builtin;
+pub mod cut;
 pub mod hard_case;
 mod normals;
 mod statistics;
@@ -26,6 +27,7 @@ use rayon::prelude::*;
 use crate::math::{Bounds, Projection};
 
 pub use arrangement::{Arrangement, ArrangementError, PartLook, PartStyle, Presence, Section};
+pub use cut::{Cap, Cut, CutPlane, Solids};
 pub use normals::{compute_normals, interpolated_normals, reweighted_normals};
 pub use statistics::SceneStats;
 

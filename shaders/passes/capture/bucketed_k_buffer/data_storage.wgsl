@@ -8,7 +8,7 @@ fn fragment_main(v: Varyings, @builtin(front_facing) front_facing: bool) -> @loc
     // Derivatives need every invocation of the quad, so the surface comes before any early return.
     var surface = captured_surface(v, front_facing);
     surface.color = recolored(v.part, surface.color);
-    if is_cut_out(v) {
+    if is_cut_out(v) || is_clipped(v.position, v.part) {
         discard;
     }
     let pixel = pixel_of_position(v.position);

@@ -22,7 +22,7 @@ struct StoreLayout {
 fn fragment_main(v: Varyings, @builtin(front_facing) front_facing: bool) -> @location(0) vec4<f32> {
     var s = captured_surface(v, front_facing);
     s.color = recolored(v.part, s.color);
-    if is_cut_out(v) {
+    if is_cut_out(v) || is_clipped(v.position, v.part) {
         discard;
     }
     let slot = atomicAdd(&cursors[pixel_of_position(v.position)], 1u);
