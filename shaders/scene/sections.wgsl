@@ -25,8 +25,8 @@ fn height_over(section: u32, point: vec3<f32>) -> f32 {
     return dot(plane.xyz, point) + plane.w;
 }
 
-// What lies closer to a plane than this is cut: a face in the plane has to go as a whole, and rasterizers move it by up to
-// 1/256 pixel.
+// How far from a plane, scene units, rasterization cannot tell on which side a surface is: 1/64 pixel, and what 32-bit
+// positions round.
 fn section_margin(depth: f32) -> f32 {
     return pixel_size(depth).y * 0.015625 + abs(depth) * 4.76837158203125e-7;
 }

@@ -1,7 +1,8 @@
 //! Section planes: which fragments they cut away, and which neighbours are unknown because of them (T10).
 //!
-//! A plane cuts what lies on the side of its normal, and what is nearer to it than 1/64 pixel: a face in the plane goes as a
-//! whole, wherever a rasterizer snaps its vertices. It does not cut its own caps. A layer's neighbour is unknown where its
+//! A plane cuts what lies on the side of its normal. It does not cut its own caps. Surfaces parallel to it (whose height over
+//! it changes by less than 1/32 pixel from pixel to pixel) are cut from 1/64 pixel before it, so that a face in the plane
+//! goes as a whole; all others from 1/64 pixel behind it, so that no gap shows before a cap. A layer's neighbour is unknown where its
 //! tangent plane, half a step beyond the adjacent pixel, lies on the side that is cut away; the plane is given at most the
 //! slope of 1 : 20.
 //!
@@ -17,7 +18,7 @@ use super::view::View;
 use crate::math::Camera;
 use crate::scene::CutPlane;
 
-/// Share of a pixel's height by which a plane cuts more than what lies beyond it.
+/// Share of a pixel's height by which the cut is off the plane.
 const MARGIN: f64 = 1.0 / 64.0;
 /// The same as a share of depth: what 32-bit positions round.
 const ROUNDING: f64 = 1.0 / (1 << 21) as f64;
@@ -67,34 +68,61 @@ impl ViewCut {
     }
 
     /// How much depth changes over a pixel on a surface with this normal.
-    pub fn slope(&self, normal: DVec3, point: DVec3) -> f64 {
+    fn slope(&self, normal: DVec3, point: DVec3) -> f64 {
         let pixel = self.view.pixel_size(-point.z);
         let sight = if self.view.perspective { point / -point.z } else { DVec3::NEG_Z };
         (normal.x.abs() * pixel.x + normal.y.abs() * pixel.y) / normal.dot(sight).abs().max(1e-9)
     }
 
-    /// Whether a point of a part is cut away, and whether a depth that is off by `depth_by` would change that.
-    pub fn cuts(&self, part: u32, point: DVec3, depth_by: f64) -> (bool, bool) {
+    /// Whether a point of a part on a surface with this normal is cut away, and whether what rasterizers and 32 bits round
+    /// could change that.
+    pub fn cuts(&self, part: u32, point: DVec3, normal: DVec3) -> (bool, bool) {
         let (mut cut, mut uncertain) = (false, false);
+        if self.planes.is_empty() {
+            return (cut, uncertain);
+        }
+        let depth_by = self.slope(normal, point) / 256.0 + 1e-6 * -point.z;
+        let margin = self.margin(-point.z);
         for plane in self.planes.iter().filter(|p| !p.caps.contains(&part)) {
-            let over = plane.height(point) + self.margin(-point.z);
+            let height = plane.height(point);
             let sight = if self.view.perspective { point / -point.z } else { DVec3::NEG_Z };
             let by = depth_by * plane.normal.dot(sight).abs() + self.rounding(plane, point);
+            let change: f64 = [Direction::Right, Direction::Down]
+                .into_iter()
+                .map(|direction| (plane.height(self.on_plane(point, normal, direction)) - height).abs())
+                .sum();
+            let over = height - if change < 2.0 * margin { -margin } else { margin };
             cut |= over > 0.0;
-            uncertain |= over.abs() <= by;
+            let either = (margin..4.0 * margin).contains(&change) && height.abs() <= margin + by;
+            uncertain |= over.abs() <= by || either;
         }
         (cut, uncertain)
     }
 
-    /// Where the tangent plane through `p` is met by the sight line one pixel aside.
-    fn aside(&self, p: DVec3, n: DVec3, direction: Direction) -> DVec3 {
+    /// Where the sight line one pixel aside meets the plane through `p` with normal `n`; far away where they do not meet.
+    fn on_plane(&self, p: DVec3, n: DVec3, direction: Direction) -> DVec3 {
+        let step = self.step(direction);
+        if !self.view.perspective {
+            return p + step - DVec3::Z * (n.dot(step) / n.z);
+        }
+        let ray = p / -p.z + step;
+        ray * (n.dot(p) / n.dot(ray))
+    }
+
+    /// One pixel aside, in view space, at depth 1 under perspective.
+    fn step(&self, direction: Direction) -> DVec3 {
         let size = self.view.pixel_size(1.0);
-        let step = match direction {
+        match direction {
             Direction::Right => DVec3::X * size.x,
             Direction::Left => DVec3::NEG_X * size.x,
             Direction::Down => DVec3::NEG_Y * size.y,
             Direction::Up => DVec3::Y * size.y,
-        };
+        }
+    }
+
+    /// Where the tangent plane through `p` is met by the sight line one pixel aside.
+    fn aside(&self, p: DVec3, n: DVec3, direction: Direction) -> DVec3 {
+        let step = self.step(direction);
         let slope = n.dot(step);
         if !self.view.perspective {
             return p + step + DVec3::NEG_Z * (slope / n.z.max(0.05));

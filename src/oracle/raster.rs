@@ -333,7 +333,7 @@ impl<'a> Triangle<'a> {
         }
         let blend = |v: &[DVec3; 3]| v[0] * barycentrics[0] + v[1] * barycentrics[1] + v[2] * barycentrics[2];
         let position_in_view = blend(&self.positions_in_view);
-        let (is_cut, may_be_cut) = cut.cuts(self.part, position_in_view, self.depth_error(cut, position_in_view));
+        let (is_cut, may_be_cut) = cut.cuts(self.part, position_in_view, self.geometric_normal);
         let uncertain = uncertain || may_be_cut;
         if is_cut {
             pixel.ambiguous |= uncertain;
@@ -358,12 +358,6 @@ impl<'a> Triangle<'a> {
             surface,
             ambiguous: uncertain || mask.uncertain || self.uncertain_side,
         });
-    }
-
-    /// How far the depth at a point may be off where vertices snap to 1/256 pixel.
-    fn depth_error(&self, cut: &ViewCut, point: DVec3) -> f64 {
-        let n = self.geometric_normal;
-        cut.slope(n, point) / 256.0 + 1e-6 * -point.z
     }
 
     /// Material at a point, and whether a mask cuts it away.

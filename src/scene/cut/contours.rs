@@ -5,7 +5,9 @@
 //! mesh does, whatever lies exactly in the plane. A face of the solid in the plane is thereby replaced by the cap, and one
 //! from which the solid lies on the cut-away side vanishes with it.
 //!
-//! A crossing is known by its edge, never by its position, so nothing is compared with a tolerance. Triangles of closed and
+//! A crossing is known by its edge, not by its position, so nothing is compared with a tolerance. Only where a mesh does not
+//! quite close (seams whose vertices differ by a rounding, an edge that meets the middle of another) ends of contours that
+//! lie in one place are joined. Triangles of closed and
 //! consistently wound meshes give as many contours into each crossing as out of it; then contours have a sense, and what
 //! overlaps is filled once (nonzero winding). Where triangles disagree on their winding, contours are followed either way,
 //! and filled by parity. A crossing that an odd number of contours meets is the end of an open one.
@@ -28,8 +30,8 @@ pub struct Solid {
 /// Vertices that are closer to the plane than this share of the mesh's reach are in it: what 32-bit coordinates round.
 const IN_PLANE: f64 = 1.0 / (1 << 22) as f64;
 
-/// Vertices of a mended mesh that are closer together than this share of its reach are one.
-pub const SEAM: f64 = 1.0 / (1 << 20) as f64;
+/// Ends of contours that are closer together than this share of the mesh's reach are in one place.
+const SEAM: f64 = 1.0 / (1 << 18) as f64;
 
 /// The contours of a cut.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -52,9 +54,8 @@ fn crossing(a: u32, b: u32) -> u64 {
 }
 
 impl Solid {
-    /// Welds a mesh. Triangles that have no area for it are left out. With `mended`, vertices that lie closer together than
-    /// [`SEAM`] are one: some exporters close their surfaces only nearly.
-    pub fn new(mesh: &Mesh, mended: bool) -> Solid {
+    /// Welds a mesh. Triangles that have no area for it are left out.
+    pub fn new(mesh: &Mesh) -> Solid {
         let bits = |p: [f32; 3]| p.map(|v| (v + 0.0).to_bits());
         let all = mesh.primitives.iter().flat_map(|p| &p.positions).copied();
         let mut order: Vec<([u32; 3], u32)> = all.enumerate().map(|(i, p)| (bits(p), i as u32)).collect();
@@ -71,10 +72,6 @@ impl Solid {
         }
         let finite = solid.positions.iter().filter(|p| p.is_finite());
         solid.reach = finite.fold(DVec3::ZERO, |reach, p| reach.max(p.abs()));
-        if mended {
-            let merged = merged(&solid.positions, SEAM * solid.reach.max_element());
-            welded.iter_mut().for_each(|v| *v = merged[*v as usize]);
-        }
         let mut first = 0;
         for primitive in &mesh.primitives {
             let triangles = primitive.triangles.iter().map(|t| t.map(|v| welded[first + v as usize]));
@@ -116,12 +113,16 @@ impl Solid {
             let [from, to] = [kept, cut].map(|v| self.positions[v as usize]);
             world_from_mesh.transform_point3(from + (to - from) * (below / (below - above)))
         };
-        follow(&pieces, point)
+        let longest = (0..3).map(|axis| world_from_mesh.col(axis).truncate().length()).fold(0.0, f64::max);
+        follow(&pieces, point, SEAM * longest * self.reach.max_element())
     }
 }
 
 /// For every point the first that lies within `distance` of it, itself perhaps.
 fn merged(points: &[DVec3], distance: f64) -> Vec<u32> {
+    if !(distance > 0.0) {
+        return (0..points.len() as u32).collect();
+    }
     // A ball of that radius touches at most two cells along each axis.
     let cell = |p: DVec3| (p / (2.0 * distance)).floor().to_array().map(|v| v as i64);
     let mut cells: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
@@ -147,22 +148,37 @@ fn merged(points: &[DVec3], distance: f64) -> Vec<u32> {
     all
 }
 
-/// Joins pieces at their ends.
-fn follow(pieces: &[Piece], point: impl Fn(u64) -> DVec3) -> Contours {
+/// Numbers of the crossings that an odd number of pieces meets.
+fn odd_ones(crossings: usize, ends: &[[usize; 2]]) -> Vec<usize> {
+    let mut odd = vec![false; crossings];
+    ends.iter().flatten().for_each(|end| odd[*end] = !odd[*end]);
+    (0..crossings).filter(|i| odd[*i]).collect()
+}
+
+/// Joins pieces at their ends; ends that no other piece meets, where they are at most `seam` apart.
+fn follow(pieces: &[Piece], point: impl Fn(u64) -> DVec3, seam: f64) -> Contours {
     let mut crossings: Vec<u64> = pieces.iter().flat_map(|p| p.ends).collect();
     crossings.sort_unstable();
     crossings.dedup();
     let number = |crossing: u64| crossings.binary_search(&crossing).unwrap_or_default();
-    let ends: Vec<[usize; 2]> = pieces.iter().map(|p| p.ends.map(number)).collect();
-    let mut balance = vec![0_i32; crossings.len()];
-    let mut degree = vec![0_u32; crossings.len()];
-    for [from, to] in &ends {
-        (balance[*from], balance[*to]) = (balance[*from] + 1, balance[*to] - 1);
-        (degree[*from], degree[*to]) = (degree[*from] + 1, degree[*to] + 1);
+    let mut ends: Vec<[usize; 2]> = pieces.iter().map(|p| p.ends.map(number)).collect();
+    let mut loose = odd_ones(crossings.len(), &ends);
+    if !loose.is_empty() {
+        let places: Vec<DVec3> = loose.iter().map(|i| point(crossings[*i])).collect();
+        let mut joined: Vec<usize> = (0..crossings.len()).collect();
+        for (i, first) in merged(&places, seam).into_iter().enumerate() {
+            joined[loose[i]] = loose[first as usize];
+        }
+        ends.iter_mut().flatten().for_each(|end| *end = joined[*end]);
+        loose = odd_ones(crossings.len(), &ends);
     }
-    let open_ends = degree.iter().filter(|d| *d % 2 == 1).count();
-    if open_ends > 0 {
-        return Contours { open_ends, ..Contours::default() };
+    if !loose.is_empty() {
+        return Contours { open_ends: loose.len(), ..Contours::default() };
+    }
+    let mut balance = vec![0_i32; crossings.len()];
+    for [from, to] in &ends {
+        balance[*from] += 1;
+        balance[*to] -= 1;
     }
     let directed = balance.iter().all(|b| *b == 0);
     // Ways out of each crossing: the piece, and the end by which it is entered.

@@ -99,10 +99,9 @@ pub struct Cut {
     pub scene_parts: u32,
 }
 
-/// Welded meshes of a scene, made when they are first cut and kept while planes are dragged; mended ones only where exact
-/// welding leaves contours open.
+/// Welded meshes of a scene, made when they are first cut and kept while planes are dragged.
 #[derive(Debug, Default)]
-pub struct Solids(Vec<[OnceLock<Solid>; 2]>);
+pub struct Solids(Vec<OnceLock<Solid>>);
 
 impl Solids {
     /// None made yet.
@@ -111,12 +110,8 @@ impl Solids {
     }
 
     fn contours(&self, scene: &Scene, mesh: usize, place: &DMat4, normal: DVec3, offset: f64) -> Contours {
-        let Some([exact, mended]) = self.0.get(mesh) else { return Contours::default() };
-        let kept = |solid: &OnceLock<Solid>, mended| {
-            solid.get_or_init(|| Solid::new(&scene.meshes[mesh], mended)).contours(place, normal, offset)
-        };
-        let contours = kept(exact, false);
-        if contours.open_ends == 0 { contours } else { kept(mended, true) }
+        let Some(solid) = self.0.get(mesh) else { return Contours::default() };
+        solid.get_or_init(|| Solid::new(&scene.meshes[mesh])).contours(place, normal, offset)
     }
 }
 

@@ -197,6 +197,21 @@ fn open_parts_are_named_and_seams_that_nearly_close_are_mended() {
     let notices = found.notices(&scene);
     assert_eq!(notices.len(), 2);
     assert!(notices[0].ends_with("is not closed there and gets no cap"), "{notices:?}");
+    // An edge that is two edges on one side of it.
+    let mut split = unit_cube();
+    let [a, b, c] = split.triangles[0];
+    let middle = |f: &[[f32; 3]]| std::array::from_fn(|i| 0.5 * (f[a as usize][i] + f[b as usize][i]));
+    let (position, normal) = (middle(&split.positions), middle(&split.normals));
+    split.positions.push(position);
+    split.normals.push(normal);
+    let m = split.positions.len() as u32 - 1;
+    split.triangles[0] = [a, m, c];
+    split.triangles.push([m, b, c]);
+    let scene = placed(vec![split], vec![(0, DMat4::IDENTITY)]);
+    for normal in [DVec3::X, DVec3::Y, DVec3::Z] {
+        let found = cut(&scene, [section(normal, 0.1)]);
+        assert!(found.open.is_empty() && (area(&found) - 1.0).abs() < 1e-6, "{normal}");
+    }
     // Every triangle with vertices of its own, off by less than a millionth.
     let cube = unit_cube();
     let mut torn = Primitive::default();
