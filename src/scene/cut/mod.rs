@@ -6,12 +6,14 @@
 //! of its own, numbered after the scene's, with triangle numbers after the scene's, and belongs to the part that it closes;
 //! other planes cut it as they cut everything, its own does not.
 //!
-//! A part is closed if its contours are. One that is not has no cap, and is told by name.
+//! A part is closed if its contours are. One that is not has no cap, and is told by name. Where parts overlap, the smaller
+//! one's cap is taken out of the larger one's ([`fill`]), so that no two lie in one place.
 //!
 //! Triangles come from the crate `i_triangle`: contours are snapped to a grid of about 2⁻³⁰ of their box and intersected
 //! exactly there, so that contours that touch, cross or overlap cannot break it.
 
 mod contours;
+mod fill;
 #[cfg(test)]
 mod tests;
 
@@ -19,14 +21,12 @@ use std::ops::Range;
 use std::sync::OnceLock;
 
 use glam::{DMat4, DVec2, DVec3};
-use i_triangle::float::custom::CustomTriangulatable;
-use i_triangle::i_overlay::core::fill_rule::FillRule;
-use i_triangle::int::validation::Validation;
 use rayon::prelude::*;
 
-pub use contours::{Contours, Solid};
+use contours::{Contours, Solid};
+use fill::{Filled, PlaneFrame, Region};
 
-use super::{AlphaMode, Arrangement, Material, Scene, SceneStats, Section};
+use super::{AlphaMode, Arrangement, Material, Presence, Scene, SceneStats, Section};
 use crate::math::Bounds;
 use crate::math::color::linear_from_srgb;
 
@@ -128,64 +128,74 @@ impl Cut {
     /// Applies the enabled planes of an arrangement that fits the scene. `solids` are those of the same scene.
     pub fn new(scene: &Scene, arrangement: &Arrangement, solids: &Solids) -> Cut {
         let mut cut = Cut { scene_parts: scene.parts.len() as u32, ..Cut::default() };
-        let enabled = arrangement.sections.iter().enumerate().filter(|(_, s)| s.enabled);
-        let planes: Vec<(usize, &Section)> = enabled.collect();
+        let mut planes: Vec<(usize, &Section)> = Vec::new();
+        for (index, section) in arrangement.sections.iter().enumerate().filter(|(_, s)| s.enabled) {
+            // A plane that is there twice would cut its twin's caps.
+            match planes.iter().position(|(_, p)| (p.normal, p.offset) == (section.normal, section.offset)) {
+                Some(twin) if section.caps => planes[twin] = (index, section),
+                Some(_) => {}
+                None => planes.push((index, section)),
+            }
+        }
         if planes.is_empty() {
             return cut;
         }
         let placed = arrangement.placed(scene);
+        let offset_of = |section: &Section| section.offset - section.normal.dot(scene.origin);
+        let middle = placed.parts.iter().fold(Bounds::EMPTY, |all, p| all.union(p.bounds)).center();
+        let frames: Vec<PlaneFrame> =
+            planes.iter().map(|(_, s)| PlaneFrame::new(s.normal, offset_of(s), middle)).collect();
         let mut asked = Vec::new();
         for (plane, (_, section)) in planes.iter().enumerate().filter(|(_, (_, s))| s.caps) {
             let met = placed.parts.iter().enumerate().filter(|(_, p)| section.meets(&p.bounds, scene.origin));
             asked.extend(met.map(|(part, _)| (plane, part)));
         }
-        let filled: Vec<Filled> = asked
+        let traced: Vec<Result<Option<Region>, usize>> = asked
             .par_iter()
             .map(|&(plane, part)| {
-                let (_, section) = planes[plane];
-                let (mesh, place) = (scene.parts[part].mesh, placed.parts[part].world_from_part);
-                let offset = section.offset - section.normal.dot(scene.origin);
-                fill(&solids.contours(scene, mesh, &place, section.normal, offset), section.normal)
+                let ((_, section), place) = (planes[plane], &placed.parts[part]);
+                let (mesh, offset) = (scene.parts[part].mesh, offset_of(section));
+                let contours = solids.contours(scene, mesh, &place.world_from_part, section.normal, offset);
+                let ghosted = arrangement.look(part as u32).presence == Presence::Ghosted;
+                let rank = (ghosted, place.bounds.size().element_product(), part as u32);
+                match contours.open_ends {
+                    0 => Ok(Region::new(&contours, plane, rank, frames[plane])),
+                    ends => Err(ends),
+                }
             })
             .collect();
-
+        let mut regions = Vec::new();
+        for ((plane, part), traced) in asked.into_iter().zip(traced) {
+            match traced {
+                Ok(region) => regions.extend(region),
+                Err(ends) => cut.open.push(OpenPart { part: part as u32, section: planes[plane].0, ends }),
+            }
+        }
+        let filled = fill::fill(&regions);
         let mut triangle = scene.triangle_count();
-        let mut found = asked.into_iter().zip(filled).peekable();
+        let mut found = regions.iter().zip(filled).peekable();
         for (plane, (index, section)) in planes.into_iter().enumerate() {
             let first = cut.scene_parts + cut.caps.len() as u32;
-            while let Some(((_, part), filled)) = found.next_if(|((p, _), _)| *p == plane) {
-                let part = part as u32;
-                match filled {
-                    Filled::Nothing => {}
-                    Filled::Open(ends) => cut.open.push(OpenPart { part, section: index, ends }),
-                    Filled::Cap { positions, triangles, world_from_cap, bounds } => {
-                        let count = triangles.len() as u64;
-                        // The last number is the empty slot's.
-                        if triangle + count > u64::from(u32::MAX) {
-                            cut.open.push(OpenPart { part, section: index, ends: 0 });
-                            continue;
-                        }
-                        let first_triangle = triangle as u32;
-                        cut.caps.push(Cap {
-                            part,
-                            plane,
-                            first_triangle,
-                            world_from_cap,
-                            positions,
-                            triangles,
-                            bounds,
-                        });
-                        triangle += count;
-                    }
+            while let Some((region, filled)) = found.next_if(|(region, _)| region.plane == plane) {
+                let Some(Filled { positions, triangles, world_from_cap, bounds }) = filled else { continue };
+                let (part, count) = (region.rank.2, triangles.len() as u64);
+                // The last number is the empty slot's.
+                if triangle + count > u64::from(u32::MAX) {
+                    cut.open.push(OpenPart { part, section: index, ends: 0 });
+                    continue;
                 }
+                let first_triangle = triangle as u32;
+                cut.caps.push(Cap { part, plane, first_triangle, world_from_cap, positions, triangles, bounds });
+                triangle += count;
             }
             cut.planes.push(CutPlane {
                 normal: section.normal,
-                offset: section.offset - section.normal.dot(scene.origin),
+                offset: offset_of(section),
                 section: index,
                 caps: first..cut.scene_parts + cut.caps.len() as u32,
             });
         }
+        cut.open.sort_by_key(|o| (o.section, o.part));
         cut
     }
 
@@ -266,45 +276,4 @@ pub fn cap_material(scene: &Scene, mesh: usize) -> Material {
         unlit: material.unlit,
         ..Material::default()
     }
-}
-
-/// What became of a part in a plane.
-enum Filled {
-    Nothing,
-    Open(usize),
-    Cap { positions: Vec<[f32; 2]>, triangles: Vec<[u32; 3]>, world_from_cap: DMat4, bounds: Bounds },
-}
-
-/// Fills contours that lie in a plane.
-fn fill(contours: &Contours, normal: DVec3) -> Filled {
-    if contours.open_ends > 0 {
-        return Filled::Open(contours.open_ends);
-    }
-    let bounds = Bounds::of_points(contours.closed.iter().flatten().copied());
-    if bounds.is_empty() || !contours.closed.iter().flatten().all(|p| p.is_finite()) {
-        return Filled::Nothing;
-    }
-    let (u, v) = normal.any_orthonormal_pair();
-    let (u, v) = if u.cross(v).dot(normal) < 0.0 { (v, u) } else { (u, v) };
-    // In the plane: the first point is.
-    let origin = contours.closed[0][0];
-    let flat: Vec<Vec<[f64; 2]>> = contours
-        .closed
-        .iter()
-        .map(|contour| contour.iter().map(|p| [u.dot(*p - origin), v.dot(*p - origin)]).collect())
-        .collect();
-    let rule = if contours.directed { FillRule::NonZero } else { FillRule::EvenOdd };
-    let filled = flat.as_slice().custom_triangulate(Validation::with_fill_rule(rule)).to_triangulation::<u32>();
-    let positions: Vec<[f32; 2]> = filled.points.iter().map(|p| p.map(|v| v as f32)).collect();
-    let corner = |i: u32| DVec2::from(positions[i as usize].map(f64::from));
-    let turned = |&[a, b, c]: &[u32; 3]| {
-        let area = (corner(b) - corner(a)).perp_dot(corner(c) - corner(a));
-        if area < 0.0 { [a, c, b] } else { [a, b, c] }
-    };
-    let triangles: Vec<[u32; 3]> = filled.indices.chunks_exact(3).map(|t| turned(&[t[0], t[1], t[2]])).collect();
-    if triangles.is_empty() {
-        return Filled::Nothing;
-    }
-    let world_from_cap = DMat4::from_cols(u.extend(0.0), v.extend(0.0), normal.extend(0.0), origin.extend(1.0));
-    Filled::Cap { positions, triangles, world_from_cap, bounds }
 }

@@ -174,6 +174,26 @@ fn parts_have_caps_of_their_own_also_mirrored_ones_of_one_mesh() {
 }
 
 #[test]
+fn of_parts_that_overlap_the_smaller_has_the_whole_cap() {
+    let solids = vec![unit_cube(), samples::cuboid(DVec3::splat(0.25))];
+    // One inside, one half inside, mirrored.
+    let aside = DMat4::from_translation(DVec3::Y * 0.5) * DMat4::from_scale(DVec3::new(1.0, -1.0, 1.0));
+    let scene = placed(solids, vec![(0, DMat4::IDENTITY), (1, DMat4::IDENTITY), (1, aside)]);
+    let areas = |arrangement: &Arrangement| {
+        let found = Cut::new(&scene, arrangement, &Solids::of(&scene));
+        found.caps.iter().map(|c| (c.part, (1e4 * c.area()).round() / 1e4)).collect::<Vec<_>>()
+    };
+    let mut arrangement = Arrangement { sections: vec![section(DVec3::X, 0.0)], ..Arrangement::default() };
+    assert_eq!(areas(&arrangement), [(0, 0.625), (1, 0.25), (2, 0.25)]);
+    // A ghost takes nothing from what is shown, and a plane that is there twice cuts once.
+    for ghost in [1, 2] {
+        arrangement.parts.insert(ghost, PartLook { presence: Presence::Ghosted, ..PartLook::default() });
+    }
+    arrangement.sections.push(arrangement.sections[0]);
+    assert_eq!(areas(&arrangement), [(0, 1.0), (2, 0.125)]);
+}
+
+#[test]
 fn planes_count_in_the_coordinates_of_the_file() {
     let far = DMat4::from_translation(DVec3::new(1e6, 0.0, 0.0));
     let scene = placed(vec![unit_cube()], vec![(0, far)]);
