@@ -8,26 +8,9 @@ use clap::Args;
 use glam::DVec3;
 
 use super::failure::{Exit, Failure};
+use crate::math::views::{VIEW_ANGLE, VIEWS, ZOOM_FACTOR};
 use crate::math::{Bounds, Camera, Projection};
 use crate::scene::{Scene, SceneCamera};
-
-/// Vertical angle of view unless another is asked for, in degrees.
-const VIEW_ANGLE: f64 = 30.0;
-/// Leaves a margin of a tenth, as in f3d.
-const ZOOM_FACTOR: f64 = 0.9;
-
-/// Named views: viewing direction and up. Files are y-up and face +z, as in glTF.
-const VIEWS: &[(&str, DVec3, DVec3)] = &[
-    ("front", DVec3::NEG_Z, DVec3::Y),
-    ("back", DVec3::Z, DVec3::Y),
-    ("left", DVec3::X, DVec3::Y),
-    ("right", DVec3::NEG_X, DVec3::Y),
-    ("top", DVec3::NEG_Y, DVec3::NEG_Z),
-    ("bottom", DVec3::Y, DVec3::Z),
-    ("isometric", DVec3::NEG_ONE, DVec3::Y),
-    // From the front, 35° to the right and 25° up: the default.
-    ("three-quarter", DVec3::new(-0.519_837, -0.422_618, -0.742_404), DVec3::Y),
-];
 
 /// Options for the camera.
 #[derive(Args, Clone, Debug, Default)]

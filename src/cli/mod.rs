@@ -5,6 +5,7 @@
 //! whole or not at all. A failure is one line, `pellucid: FILE: place: cause`, and an exit code ([`Exit`]).
 
 mod bench;
+mod budget;
 mod camera;
 mod failure;
 mod hard_cases;
@@ -16,6 +17,7 @@ mod output;
 mod render;
 mod section;
 mod tradeoff;
+mod transfer;
 mod view;
 
 use std::io::IsTerminal;
@@ -25,13 +27,16 @@ use std::process::ExitCode;
 use clap::Parser;
 use serde::Serialize;
 
+use crate::app;
 use crate::export::image::{Difference, LinearImage, compare, parse_background};
 use crate::export::png::{read_png, write_png};
 use crate::render::FrameReport;
 use crate::scene::builtin;
 use crate::session::camera_in_scene;
 use crate::settings::{OpacityModel, Settings};
-use crate::transfer::{self, OpacityFunction, TransferSource};
+use crate::tradeoff::budget::{Choice, Goal};
+use crate::tradeoff::image_error::resized;
+use crate::transfer::{OpacityFunction, TransferSource, presets as transfer_presets};
 pub use failure::{Exit, Failure};
 use options::{Cli, Command, PlanArgs, RenderArgs};
 use output::Progress;
@@ -66,7 +71,11 @@ pub fn main() -> ExitCode {
         }
     };
     log_to_stderr();
-    match run(cli.command) {
+    let done = match cli.command {
+        Some(command) => run(command),
+        None => app::run(&cli.files).map_err(|e| Failure::of(Exit::General, &e)),
+    };
+    match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             output::complain(&failure.line());
@@ -77,7 +86,9 @@ pub fn main() -> ExitCode {
 
 fn log_to_stderr() {
     let filter = tracing_subscriber::EnvFilter::try_from_default_env().unwrap_or_else(|_| {
-        tracing_subscriber::EnvFilter::new("warn,wgpu_core=error,wgpu_hal=error,wgpu_hal::gles=off,naga=error")
+        tracing_subscriber::EnvFilter::new(
+            "warn,wgpu_core=error,wgpu_hal=error,wgpu_hal::gles=off,naga=error,rfd=off,zbus=error",
+        )
     });
     let colours = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty());
     // Fails only where a host program logs already.
@@ -102,6 +113,7 @@ fn run(command: Command) -> Result<(), Failure> {
         Command::Adapters { json } => render::adapters(json),
         Command::Settings { toml } => output::print(settings(toml)?.as_bytes()),
         Command::Presets => output::print(presets().as_bytes()),
+        Command::Transfer(args) => transfer::run(&args),
         Command::Scenes => output::print(scenes().as_bytes()),
         Command::Assets { folder } => load::write_assets(&folder),
         Command::HardCases(args) => hard_cases::run(&args),
@@ -153,6 +165,9 @@ struct Stats {
     /// How the passes were timed.
     timing: &'static str,
     pictures: Vec<Picture>,
+    /// What `--budget` or `--max-error` chose.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    choice: Option<Choice>,
     #[serde(skip_serializing_if = "Option::is_none")]
     difference: Option<Difference>,
 }
@@ -179,7 +194,7 @@ fn render(args: &RenderArgs) -> Result<(), Failure> {
     }
     let asked = args.view.asked()?;
     let background = parse_background(&asked.settings.image.background).map_err(|e| Failure::new(Exit::Usage, e))?;
-    let takes = takes(asked.settings.clone(), args.compare)?;
+    let mut takes = takes(asked.settings.clone(), args.compare)?;
     let reference = args.reference.as_deref().map(read_reference).transpose()?;
 
     let progress = Progress::new();
@@ -192,6 +207,26 @@ fn render(args: &RenderArgs) -> Result<(), Failure> {
     }
     let (file, size, camera) = (&seen.file, &seen.size, camera_in_scene(&seen.camera, &scene));
     progress.stage("starting the adapter");
+    let chosen = match args.budget.goal() {
+        Some(goal) => {
+            let picture = (*size, background);
+            let chosen = budget::chosen(
+                &args.budget,
+                goal,
+                (&scene, &seen.arrangement),
+                &camera,
+                &takes[0].settings,
+                picture,
+                &progress,
+            )?;
+            progress.say(&format!("{file}: {}", chosen.sentence));
+            takes[0].settings = chosen.choice.settings.clone();
+            Some(chosen.choice)
+        }
+        None => None,
+    };
+    let scale = chosen.as_ref().map_or(1.0, |c| c.scale);
+    let drawn_size = size.map(|s| ((f64::from(s) * scale).round() as u32).max(1));
     let mut session = Session::open_arranged(&scene, &seen.arrangement)?;
     for notice in &session.notices {
         progress.say(&format!("{file}: {notice}"));
@@ -201,10 +236,10 @@ fn render(args: &RenderArgs) -> Result<(), Failure> {
     let mut pictures = Vec::new();
     for Take { name, settings } in &takes {
         progress.stage(&format!("rendering {name}"));
-        let frame = session.render(&camera, settings, *size)?;
+        let frame = session.render(&camera, settings, drawn_size)?;
         let subject = if args.compare { format!("{file}: {name}") } else { file.clone() };
-        progress.say(&summary(&subject, *size, &frame.report));
-        images.push(frame.image);
+        progress.say(&summary(&subject, drawn_size, &frame.report));
+        images.push(resized(&frame.image, *size));
         pictures.push(Picture { name, report: frame.report });
     }
     let image =
@@ -215,7 +250,7 @@ fn render(args: &RenderArgs) -> Result<(), Failure> {
     if let Some(output) = &args.output {
         output::write(output, &png)?;
     }
-    let mut stats = Stats { file: file.clone(), size: *size, timing, pictures, difference: None };
+    let mut stats = Stats { file: file.clone(), size: *size, timing, pictures, choice: chosen, difference: None };
     let verdict = match (&args.reference, reference) {
         (Some(path), Some(reference)) => {
             let (difference, verdict) = judge(path, &png, &reference, args.threshold)?;
@@ -227,7 +262,13 @@ fn render(args: &RenderArgs) -> Result<(), Failure> {
     if let Some(target) = &args.stats {
         output::write(target, output::json(&stats)?.as_bytes())?;
     }
-    verdict
+    match (args.budget.goal(), &stats.choice) {
+        // Times are never judged: a machine may be busy. An error is what it is.
+        (Some(Goal::Error(limit)), Some(choice)) if !choice.kept && verdict.is_ok() => {
+            Err(Failure::new(Exit::Differ, format!("{file}: no configuration was found below FLIP {limit}")))
+        }
+        _ => verdict,
+    }
 }
 
 fn read_reference(path: &Path) -> Result<LinearImage, Failure> {
@@ -278,7 +319,7 @@ fn settings(as_toml: bool) -> Result<String, Failure> {
 
 fn presets() -> String {
     let looks = looks::LOOKS.iter().map(|l| (l.name, l.description));
-    let functions = transfer::presets().into_iter().map(|p| (p.name, p.description));
+    let functions = transfer_presets().into_iter().map(|p| (p.name, p.description));
     looks.chain(functions).map(|(name, what)| format!("{name:14} {what}\n")).collect()
 }
 

@@ -6,20 +6,25 @@ use clap::{Args, Parser, Subcommand};
 
 use super::ENVIRONMENT;
 use super::bench::BenchCommand;
+use super::budget::BudgetArgs;
 use super::camera::CameraArgs;
 use super::hard_cases::HardCasesArgs;
 use super::looks::LookArgs;
 use super::section::SectionArgs;
 use super::tradeoff::TradeoffArgs;
+use super::transfer::TransferArgs;
 use super::view::PartArgs;
 
 /// Shows the inside of 3D models without losing their shape.
 #[derive(Parser, Clone, Debug)]
-#[command(name = "pellucid", version, about, after_help = ENVIRONMENT)]
+#[command(name = "pellucid", version, about, after_help = ENVIRONMENT, args_conflicts_with_subcommands = true)]
 pub struct Cli {
-    /// What to do.
+    /// What to do; without a command a window opens.
     #[command(subcommand)]
-    pub command: Command,
+    pub command: Option<Command>,
+    /// Models or sessions to open in the window, or builtin:NAME
+    #[arg(value_name = "FILE", value_parser = model)]
+    pub files: Vec<String>,
 }
 
 /// What to do.
@@ -55,6 +60,8 @@ pub enum Command {
     },
     /// List the looks for --preset and --transfer
     Presets,
+    /// Describe a transfer function, or write it in another format
+    Transfer(TransferArgs),
     /// List the built-in scenes
     Scenes,
     /// Write the built-in scenes as GLB files
@@ -122,7 +129,7 @@ pub struct RenderArgs {
     #[arg(help_heading = "Output", long, value_name = "FILE")]
     pub stats: Option<PathBuf>,
     /// Write what the options mean as a session for --session; - is standard output
-    #[arg(help_heading = "Output", long, value_name = "FILE")]
+    #[arg(help_heading = "Output", long, value_name = "FILE", conflicts_with_all = ["budget", "max_error"])]
     pub save_session: Option<PathBuf>,
     /// Compare with this PNG, and exit with 5 if the mean difference is above the threshold
     #[arg(help_heading = "Output", long, value_name = "IMAGE")]
@@ -130,6 +137,9 @@ pub struct RenderArgs {
     /// Largest mean difference, in sRGB values from 0 to 1
     #[arg(help_heading = "Output", long, value_name = "T", value_parser = threshold, default_value = "0.002", requires = "reference")]
     pub threshold: f64,
+    /// Settings chosen by a promise.
+    #[command(flatten)]
+    pub budget: BudgetArgs,
 }
 
 /// Options of `plan`.
@@ -141,6 +151,15 @@ pub struct PlanArgs {
     /// Print JSON
     #[arg(long)]
     pub json: bool,
+}
+
+/// A file for the window. A bare word that is no file was meant to be a command.
+fn model(text: &str) -> Result<String, String> {
+    let word = !text.contains(['.', '/', '\\', ':']);
+    if word && !std::path::Path::new(text).exists() {
+        return Err("there is no such command and no such file; `pellucid --help` lists the commands".to_owned());
+    }
+    Ok(text.to_owned())
 }
 
 /// Parses `WxH`: both whole and at least 1.
@@ -202,7 +221,6 @@ mod tests {
     #[test]
     fn usage_errors_exit_with_2() {
         for line in [
-            "",
             "render",
             "render a.glb",
             "render a.glb -o b.png --size 0x0",
@@ -223,6 +241,8 @@ mod tests {
             assert_eq!(code, Err(2), "{line}");
         }
         for line in [
+            "",
+            "a.glb builtin:gearbox",
             "render a.glb -o b.png",
             "render a.glb --reference b.png --threshold 0.1",
             "render a.glb --stats -",
@@ -237,6 +257,8 @@ mod tests {
             "bench frame a.glb --k 16",
             "tradeoff a.glb -o d --axes k,key --limit-seconds 5 --k 8 --camera front",
             "tradeoff a.glb --check limits.toml",
+            "transfer pellucid",
+            "transfer maps.json --name Hot -o hot.toml",
         ] {
             parse(line).unwrap_or_else(|e| panic!("{line}: {e}"));
         }

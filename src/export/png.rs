@@ -61,6 +61,33 @@ pub fn write_png(image: &LinearImage, background: Option<[f32; 3]>, bits: u8) ->
     Ok(png)
 }
 
+/// The picture as a screen shows it: the very steps that [`write_png`] writes with 8 bits, as RGBA. Over `background` alpha
+/// is 255; without one it is straight.
+pub fn rgba8(image: &LinearImage, background: Option<[f32; 3]>) -> Vec<u8> {
+    steps(image, background, 4, 255.0, |v| v as u8)
+}
+
+/// Encodes what [`rgba8`] gave: the file that [`write_png`] writes with 8 bits. `opaque` leaves alpha out.
+///
+/// # Errors
+/// [`PngError`] for an empty picture or one of another size.
+pub fn png_of_rgba8(rgba: &[u8], size: [u32; 2], opaque: bool) -> Result<Vec<u8>, PngError> {
+    let [width, height] = size;
+    let pixels = rgba.len() / 4;
+    if pixels == 0 || pixels as u64 != u64::from(width) * u64::from(height) {
+        return Err(PngError::Size { width, height, pixels });
+    }
+    let mut png = Vec::new();
+    let encoder = image::codecs::png::PngEncoder::new(Cursor::new(&mut png));
+    if opaque {
+        let rgb: Vec<u8> = rgba.chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).collect();
+        encoder.write_image(&rgb, width, height, ExtendedColorType::Rgb8)?;
+    } else {
+        encoder.write_image(rgba, width, height, ExtendedColorType::Rgba8)?;
+    }
+    Ok(png)
+}
+
 /// Decodes a PNG into premultiplied linear light.
 ///
 /// # Errors
@@ -147,6 +174,17 @@ mod tests {
         }
         assert_eq!(decoded([f32::NAN, 7.0, -1.0, 1.0], None, 8).into_rgb8().into_raw(), [0, 255, 0]);
         assert_eq!(decoded([0.0, 0.0, 0.0, f32::NAN], None, 16).into_rgba16().into_raw()[3], 0);
+    }
+
+    #[test]
+    fn what_a_screen_shows_is_what_is_written() {
+        let pixels: Vec<[f32; 4]> = (0..60).map(|i| [i as f32 / 90.0, 0.2, 0.01 * i as f32, 0.7]).collect();
+        let image = LinearImage { width: 10, height: 6, pixels };
+        for background in [None, Some([0.1, 0.2, 0.3])] {
+            let png = png_of_rgba8(&rgba8(&image, background), [10, 6], background.is_some()).unwrap();
+            assert_eq!(png, write_png(&image, background, 8).unwrap());
+        }
+        assert!(png_of_rgba8(&[0; 4], [2, 1], true).is_err());
     }
 
     #[test]

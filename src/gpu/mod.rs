@@ -16,7 +16,7 @@ use crate::plan::{self, Capabilities};
 
 pub use buffers::{Resource, Resources};
 pub use kernel::{Kernel, RasterKernel, RasterSpec, SharedLayouts};
-pub use recorder::{PassTime, Recorder, Timing};
+pub use recorder::{PassTime, Recorder, Timing, go_on};
 pub use shaders::{ShaderSpec, Shaders, compose, shader_files};
 
 /// Why the device did not do what was asked.
@@ -71,6 +71,9 @@ pub enum GpuError {
     /// The device reported an error.
     #[error("the graphics device reports: {0}")]
     Device(String),
+    /// What was asked is no longer wanted.
+    #[error("cancelled")]
+    Cancelled,
     /// The device was lost.
     #[error("the graphics device was lost: {0}")]
     Lost(String),
@@ -108,8 +111,19 @@ pub struct AdapterFacts {
     pub unusable: Option<String>,
 }
 
+impl AdapterFacts {
+    /// How passes are timed here. Timestamps are wrong for compute passes on software rasterizers, and not every adapter has
+    /// them: there each pass is run alone and timed by the wall clock.
+    pub fn pass_timing(&self) -> Timing {
+        let timestamps = self.features.iter().any(|f| f == TIMESTAMPS);
+        if timestamps && self.device_type != "Cpu" { Timing::Timestamps } else { Timing::Serial }
+    }
+}
+
+const TIMESTAMPS: &str = "timestamp queries";
+
 const WANTED: &[(&str, wgpu::Features)] = &[
-    ("timestamp queries", wgpu::Features::TIMESTAMP_QUERY),
+    (TIMESTAMPS, wgpu::Features::TIMESTAMP_QUERY),
     ("64-bit integers", wgpu::Features::SHADER_INT64),
     ("64-bit atomics", wgpu::Features::SHADER_INT64_ATOMIC_ALL_OPS),
 ];

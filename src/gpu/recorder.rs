@@ -4,6 +4,9 @@
 //! when something waits for it, so its timestamps say next to nothing (a 45 ms pass reads 0.03 ms); there the benchmark runs
 //! pass by pass, submitting each and waiting, and takes wall time. That is slower as a whole, so it is asked for.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use serde::Serialize;
 
 use super::{Gpu, GpuError, Kernel, Resources};
@@ -29,6 +32,16 @@ pub enum Timing {
     Serial,
 }
 
+impl Timing {
+    /// In a few words.
+    pub fn name(self) -> &'static str {
+        match self {
+            Timing::Timestamps => "GPU timestamps",
+            Timing::Serial => "each pass run alone, wall time",
+        }
+    }
+}
+
 /// Most timed pieces in one submission; later ones run untimed.
 const MOST_PIECES: u32 = 2048;
 
@@ -41,11 +54,23 @@ pub struct Recorder {
     pieces: Vec<Pass>,
     timing: Timing,
     serial: Vec<PassTime>,
+    cancel: Option<Arc<AtomicBool>>,
+}
+
+/// Fails if the flag is raised.
+///
+/// # Errors
+/// [`GpuError::Cancelled`].
+pub fn go_on(cancel: Option<&Arc<AtomicBool>>) -> Result<(), GpuError> {
+    match cancel {
+        Some(flag) if flag.load(Ordering::Relaxed) => Err(GpuError::Cancelled),
+        _ => Ok(()),
+    }
 }
 
 impl Recorder {
-    /// Begins.
-    pub fn new(gpu: &Gpu, timing: Timing) -> Recorder {
+    /// Begins. Where `cancel` is raised, the next pass that would be submitted alone fails with [`GpuError::Cancelled`].
+    pub fn new(gpu: &Gpu, timing: Timing, cancel: Option<Arc<AtomicBool>>) -> Recorder {
         let timed = timing == Timing::Timestamps && gpu.device.features().contains(wgpu::Features::TIMESTAMP_QUERY);
         Recorder {
             encoder: gpu.device.create_command_encoder(&Default::default()),
@@ -60,25 +85,24 @@ impl Recorder {
             pieces: Vec::new(),
             timing,
             serial: Vec::new(),
+            cancel,
         }
     }
 
     /// Ends a pass: under [`Timing::Serial`] submits it, waits, and notes its wall time.
     ///
     /// # Errors
-    /// [`GpuError`] if the device is lost or reported an error.
+    /// [`GpuError`] if the device is lost or reported an error, or the frame is no longer wanted.
     pub fn end_pass(&mut self, pass: Pass) -> Result<(), GpuError> {
         if self.timing == Timing::Timestamps {
             return Ok(());
         }
+        go_on(self.cancel.as_ref())?;
         let next = self.gpu.device.create_command_encoder(&Default::default());
         let recorded = std::mem::replace(&mut self.encoder, next).finish();
         let begin = std::time::Instant::now();
         self.gpu.queue.submit([recorded]);
         self.gpu.wait()?;
-        if std::env::var("PSER").is_ok() {
-            println!("  - {} {:.1}", pass.name(), begin.elapsed().as_secs_f64() * 1e3);
-        }
         add_time(&mut self.serial, pass, begin.elapsed().as_secs_f64() * 1e3);
         Ok(())
     }

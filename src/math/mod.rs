@@ -9,6 +9,7 @@ mod camera;
 pub mod color;
 mod image;
 mod lights;
+pub mod views;
 
 pub use bounds::{Bounds, Sphere};
 pub use camera::{Camera, Projection, ViewFrustum};

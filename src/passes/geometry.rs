@@ -137,6 +137,25 @@ impl GpuScene {
         view_from_world: &DMat4,
         order: DrawOrder,
     ) -> Result<Instances, GpuError> {
+        self.instances_where(gpu, layout, view_from_world, order, &|_| true)
+    }
+
+    /// [`GpuScene::instances`], but only of parts whose bounding spheres, in scene space, are wanted.
+    ///
+    /// # Errors
+    /// [`GpuError::OutOfMemory`].
+    pub fn instances_where(
+        &self,
+        gpu: &Gpu,
+        layout: &wgpu::BindGroupLayout,
+        view_from_world: &DMat4,
+        order: DrawOrder,
+        is_wanted: &dyn Fn(&Sphere) -> bool,
+    ) -> Result<Instances, GpuError> {
+        let is_drawn = |part: &u32| {
+            let part = &self.parts[*part as usize];
+            part.is_drawn && is_wanted(&part.sphere)
+        };
         let nearest = |part: u32| {
             let sphere = self.parts[part as usize].sphere;
             -view_from_world.transform_point3(sphere.center).z - sphere.radius
@@ -145,7 +164,7 @@ impl GpuScene {
             .parts_by_mesh
             .iter()
             .enumerate()
-            .map(|(mesh, parts)| (mesh, parts.iter().copied().filter(|&p| self.parts[p as usize].is_drawn).collect()))
+            .map(|(mesh, parts)| (mesh, parts.iter().copied().filter(is_drawn).collect()))
             .filter(|(_, parts): &(usize, Vec<u32>)| !parts.is_empty())
             .map(|(mesh, mut parts)| {
                 match order {

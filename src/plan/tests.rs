@@ -306,6 +306,63 @@ fn too_few_bindings_are_refused() {
 }
 
 #[test]
+fn looks_of_parts_are_planned_where_there_are_any() {
+    let opaque = Settings::from_pairs("opacity.model=opaque").unwrap();
+    let plan_of =
+        |settings: &Settings, stats: &SceneStats| plan(settings, &usual(), stats, &view(), &adapter(), SIZE).unwrap();
+    let plain = plan_of(&opaque, &scene(20));
+    assert_eq!((plain.capture, plain.faded, plain.recolored), (Capture::None, false, false));
+    assert_eq!(skipped(&plain, "outline"), "nothing is selected");
+    // What is opaque all the same stays so.
+    for stats in [SceneStats { recolored_parts: 1, ..scene(20) }, SceneStats { solid_parts: 2, ..scene(20) }] {
+        let plan = plan_of(&opaque, &stats);
+        assert_eq!((plan.capture, plan.faded), (Capture::None, false), "{plan}");
+    }
+    let faded = SceneStats { faded_parts: 3, ..scene(20) };
+    let reason = |settings: &Settings, pass: Pass| {
+        let plan = plan_of(settings, &faded);
+        assert!(plan.faded, "{plan}");
+        plan.passes.into_iter().find(|p| p.pass == pass).map(|p| p.reason).unwrap_or_default()
+    };
+    assert_eq!(reason(&opaque, Pass::Count), "3 parts are ghosted or translucent: every layer is kept");
+    assert_eq!(reason(&Settings::default(), Pass::Count), "layers are transparent: every layer is kept");
+    let by_part = "the layers of each pixel over each other, by the opacity of their parts";
+    assert_eq!(reason(&bucketed(4), Pass::Blend), by_part);
+    // No column is there only for that.
+    assert_eq!(plan_of(&bucketed(4), &faded).columns(), plan_of(&bucketed(4), &scene(20)).columns());
+
+    let selected = plan_of(&opaque, &SceneStats { selected_parts: 1, ..scene(20) });
+    assert!(selected.to_string().contains("1 part is outlined through what is in front"), "{selected}");
+    assert!(selected.runs(Pass::Outline) && names(&selected).contains(&"outline_mask"));
+
+    let mut tail = bucketed(8);
+    tail.capture.bucketed_k_buffer.tail = Tail::Average;
+    let few = Capabilities { max_storage_buffers: 11, ..adapter() };
+    assert!(fits(&tail, 9, &few, SIZE));
+    let e = plan(&tail, &usual(), &faded, &view(), &few, SIZE).unwrap_err();
+    assert_eq!(e, Refusal::TooFewBindings { needed: 12, limit: 11, without_tail: Some(10) });
+}
+
+#[test]
+fn picking_plans_a_row_its_apron_and_no_picture() {
+    for settings in ["", "opacity.model=opaque image.samples=9", "capture.kind=bucketed_k_buffer"] {
+        let settings = Settings::from_pairs(settings).unwrap();
+        for (row, first, end) in [(0, 0, 1), (240, 240, 241), (479, 479, 480)] {
+            let stats = SceneStats { selected_parts: 1, ..scene(20) };
+            let plan = plan_pick(&settings, &usual(), &stats, &view(), &adapter(), SIZE, row).unwrap();
+            assert!(plan.runs(Pass::Curvature) && plan.runs(Pass::Shade) && plan.capture != Capture::None, "{plan}");
+            assert!(![Pass::Blend, Pass::Outline, Pass::OutlineMask, Pass::Accumulate].iter().any(|&p| plan.runs(p)));
+            let [band] = plan.bands[..] else { panic!("{plan}") };
+            assert_eq!((band.first_output_row, band.end_output_row), (first, end));
+            assert_eq!((band.first_row, band.end_row), (row.saturating_sub(plan.apron), (end + plan.apron).min(480)));
+            let table = plan.buffers.iter().find(|b| b.name == "pixel_table").unwrap();
+            assert!(table.bytes <= 4 * (640 * (1 + 2 * u64::from(plan.apron)) + 1), "{table:?}");
+            assert!(!names(&plan).contains(&"image"));
+        }
+    }
+}
+
+#[test]
 fn no_buffer_has_more_words_than_32_bits_number() {
     let endless = Capabilities { max_binding: u64::MAX, max_buffer: u64::MAX, max_texture: 1 << 15, ..adapter() };
     let plan = plan(&bucketed(64), &usual(), &scene(9), &view(), &endless, [1 << 15, 1 << 15]).unwrap();
@@ -411,9 +468,18 @@ proptest! {
         height in 1_u32..5000,
         fragments in prop::option::of(0_u64..1 << 32),
         varies in any::<bool>(),
+        looks in prop::array::uniform4(0_u64..2),
     ) {
         let transfer = if varies { usual() } else { TransferFunction::uniform(0.5) };
-        let stats = SceneStats { blended_materials, ..scene(parts) };
+        let [faded_parts, solid_parts, recolored_parts, selected_parts] = looks;
+        let stats = SceneStats {
+            blended_materials,
+            faded_parts,
+            solid_parts,
+            recolored_parts,
+            selected_parts,
+            ..scene(parts)
+        };
         let view = ViewStats { fragments, ..view() };
         let plan = match plan(&settings, &transfer, &stats, &view, &capabilities, [width, height]) {
             Ok(plan) => plan,
@@ -449,7 +515,7 @@ proptest! {
             prop_assert!(plan.most_rows >= (2 * plan.apron + 1).min(height));
         }
         for (column, bytes) in plan.columns() {
-            prop_assert!(names(&plan).contains(&column) && (4..=8).contains(&bytes));
+            prop_assert!(names(&plan).contains(&column) && (4..=16).contains(&bytes));
         }
     }
 }

@@ -7,7 +7,7 @@ use glam::DVec2;
 
 use super::targets::{Targets, texture};
 use super::{Frame, FrameReport, RenderError, Renderer};
-use crate::gpu::{GpuError, PassTime, Recorder, Resource};
+use crate::gpu::{GpuError, PassTime, Recorder, Resource, go_on};
 use crate::math::color::linear_from_srgb;
 use crate::math::{Camera, LinearImage, Projection, ViewFrustum};
 use crate::passes::capture::{
@@ -229,7 +229,7 @@ fn draw_compacted(
     if deepest > most {
         return Err(RenderError::PixelTooDeep { layers: deepest, limit: most });
     }
-    let limit = renderer.gpu.capabilities().largest_buffer() / 8;
+    let limit = renderer.gpu.capabilities().largest_buffer() / plan.widest_column();
     let bands = plan::bands_of_rows(&rows, plan.apron, limit, plan.most_rows)
         .map_err(|(row, fragments)| RenderError::RowTooDeep { row, fragments, limit })?;
     let single = bands.len() == 1;
@@ -341,13 +341,14 @@ impl<'a> Work<'a> {
         band: Band,
         blank: &'a wgpu::TextureView,
     ) -> Result<Work<'a>, GpuError> {
+        go_on(renderer.cancel.as_ref())?;
         let uniform = renderer.gpu.uniform("frame", &frame_uniform(view, plan, band))?;
         let frame = renderer.gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("frame"),
             layout: &renderer.shaders.shared.frame,
             entries: &[wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() }],
         });
-        let mut recorder = Recorder::new(&renderer.gpu, renderer.timing);
+        let mut recorder = Recorder::new(&renderer.gpu, renderer.timing, renderer.cancel.clone());
         // The compacted capture clears its statistics where it counts.
         if plan.capture != Capture::Compacted
             && let Some(statistics) = renderer.resources.buffer("statistics")

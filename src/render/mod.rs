@@ -5,6 +5,9 @@ mod pick;
 mod readback;
 mod targets;
 
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
 use serde::Serialize;
 
 use crate::gpu::{AdapterFacts, Gpu, GpuError, PassTime, Resources, Shaders, Timing};
@@ -27,7 +30,10 @@ pub enum RenderError {
     Refused(#[from] Refusal),
     /// The device failed.
     #[error(transparent)]
-    Gpu(#[from] GpuError),
+    Gpu(GpuError),
+    /// The picture was no longer wanted: [`Renderer::cancel`].
+    #[error("cancelled")]
+    Cancelled,
     /// The transfer functions could not be read.
     #[error(transparent)]
     Transfer(#[from] TransferError),
@@ -64,6 +70,12 @@ pub enum RenderError {
         /// Fragments that fit.
         limit: u64,
     },
+}
+
+impl From<GpuError> for RenderError {
+    fn from(error: GpuError) -> RenderError {
+        if error == GpuError::Cancelled { RenderError::Cancelled } else { RenderError::Gpu(error) }
+    }
 }
 
 /// What drawing a frame cost and counted.
@@ -120,6 +132,9 @@ pub struct Renderer {
     pub draw_order: DrawOrder,
     /// How passes are timed.
     pub timing: Timing,
+    /// Raised from another thread when the picture at work is no longer wanted. It is looked at between bands and samples
+    /// and, under [`Timing::Serial`], between passes.
+    pub cancel: Option<Arc<AtomicBool>>,
     targets: Option<targets::Targets>,
     picking: pick::Picking,
 }
@@ -138,6 +153,7 @@ impl Renderer {
             resources: Resources::default(),
             draw_order: DrawOrder::default(),
             timing: Timing::default(),
+            cancel: None,
             targets: None,
             picking: pick::Picking::default(),
         })

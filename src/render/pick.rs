@@ -2,17 +2,18 @@
 //!
 //! Only the pixel and what features reach around it are captured, by the machinery that draws large pictures in bands: a
 //! band of one row and its apron, and geometry scissored to as many columns. Viewport, matrices and positions are those of
-//! the whole picture, so what is found is what the frame has stored there, bit for bit. Buffers are kept apart from the
+//! the whole picture, so what is found is what the frame has stored there, bit for bit (but for ties of packed keys, which
+//! are a race in every frame). Parts that cannot be seen there are not drawn. Buffers are kept apart from the
 //! frame's, whose store stays readable.
 
 use std::sync::Arc;
 
-use glam::{DVec2, DVec3, Vec3};
+use glam::{DMat4, DVec2, DVec3, Vec3};
 
 use super::frame::{self, Tally, View, Work};
 use super::{GpuScene, RenderError, Renderer, targets};
 use crate::gpu::{GpuError, Resources};
-use crate::math::Camera;
+use crate::math::{Camera, Sphere};
 use crate::oracle;
 use crate::passes::capture::{BAND_DEEPEST, STATISTICS_WORDS};
 use crate::plan::{self, Capture, FramePlan, Opacity, ViewStats};
@@ -51,6 +52,22 @@ pub(super) struct Picking {
 pub(super) fn part_alpha(look: &PartLook, alpha: f32, ghost: f32) -> f32 {
     let whole = if look.style == PartStyle::Solid { 1.0 } else { alpha };
     whole * look.opacity as f32 * if look.presence == Presence::Ghosted { ghost } else { 1.0 }
+}
+
+/// Whether something inside a sphere may be seen at most `reach` pixels from a pixel, across and along. Never wrong in
+/// saying no: the window is taken as wide as it is at the sphere's far end, and a hundredth wider.
+fn may_cover(view: &oracle::View, [x, y]: [u32; 2], reach: u32, view_from_world: DMat4, sphere: &Sphere) -> bool {
+    let center = view_from_world.transform_point3(sphere.center);
+    let farthest = (sphere.radius - center.z).max(0.0);
+    let half = f64::from(reach + 1) * view.pixel_size(farthest).length();
+    // A point of the sight line, and where it goes.
+    let (from, along) = if view.perspective {
+        (DVec3::ZERO, view.position(x, y, 1.0).normalize())
+    } else {
+        (view.position(x, y, 0.0), DVec3::NEG_Z)
+    };
+    let off = (center - from).reject_from_normalized(along).length();
+    off <= 1.01 * (sphere.radius + half)
 }
 
 impl Renderer {
@@ -122,11 +139,14 @@ impl Renderer {
         frame::bind_settings(self, scene, camera, settings, transfer, plan)?;
         let view_from_world = camera.view_from_world();
         let layout = &self.shaders.shared.instances;
-        let instances = Arc::new(scene.instances(&gpu, layout, &view_from_world, self.draw_order)?);
+        let seen = oracle::View::new(camera, plan.size, DVec2::ZERO);
+        let reach = plan.apron + MARGIN;
+        let in_window = |sphere: &Sphere| may_cover(&seen, [x, y], reach, view_from_world, sphere);
+        let order = self.draw_order;
+        let instances = Arc::new(scene.instances_where(&gpu, layout, &view_from_world, order, &in_window)?);
         let frustum = camera.frustum(&scene.stats.bounds);
         let view = View { scene, camera, frustum, jitter: DVec2::ZERO, instances };
         let band = plan.bands[0];
-        let reach = plan.apron + MARGIN;
         let columns = x.saturating_sub(reach)..plan.size[0].min(x + reach + 1);
         let mut tally = Tally::default();
         let mut deepest = u32::MAX;
@@ -145,7 +165,7 @@ impl Renderer {
             if deepest > most {
                 return Err(RenderError::PixelTooDeep { layers: deepest, limit: most });
             }
-            let limit = gpu.capabilities().largest_buffer() / 8;
+            let limit = gpu.capabilities().largest_buffer() / plan.widest_column();
             if fragments > limit {
                 return Err(RenderError::RowTooDeep { row: y, fragments, limit });
             }
@@ -174,7 +194,6 @@ impl Renderer {
         };
         let ghost = settings.opacity.ghost as f32;
         let world_from_view = view_from_world.inverse();
-        let seen = oracle::View::new(camera, plan.size, DVec2::ZERO);
         let layer = |i: usize| {
             let (part, depth) = (scene.cut.owner(store.layers.part[i]), store.layers.depth[i]);
             let alpha = (store.lit[i][3] * constant).clamp(0.0, 1.0);
@@ -188,5 +207,40 @@ impl Renderer {
             }
         };
         Ok((0..store.layers.len()).map(layer).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Projection;
+
+    #[test]
+    fn parts_beside_the_window_are_left_out_and_none_within() {
+        let size = [100, 100];
+        for projection in [Projection::Perspective { fov_y: 0.8 }, Projection::Orthographic { height: 8.0 }] {
+            let camera = Camera {
+                position: DVec3::new(0.0, 0.0, 10.0),
+                focal_point: DVec3::ZERO,
+                view_up: DVec3::Y,
+                projection,
+            };
+            let view = oracle::View::new(&camera, size, DVec2::ZERO);
+            let world_from_view = camera.view_from_world().inverse();
+            for (pixel, reach) in [([50, 50], 3), ([0, 99], 0), ([90, 10], 5)] {
+                for (dx, dy, depth, radius) in
+                    [(0, 0, 9.0, 0.0), (reach, 0, 3.0, 1e-6), (0, reach, 40.0, 0.1), (reach, reach, 0.5, 1e-9)]
+                {
+                    // The centre of a pixel at the window's edge: it must be found however small it is.
+                    let (x, y) = (pixel[0] + dx as u32, pixel[1] + dy as u32);
+                    let center = world_from_view.transform_point3(view.position(x, y, depth));
+                    let sphere = Sphere { center, radius };
+                    assert!(may_cover(&view, pixel, reach as u32, camera.view_from_world(), &sphere));
+                    let far = world_from_view.transform_point3(view.position(x + 60, y, depth));
+                    let beside = Sphere { center: far, radius: radius.min(0.01) };
+                    assert!(!may_cover(&view, pixel, reach as u32, camera.view_from_world(), &beside));
+                }
+            }
+        }
     }
 }

@@ -15,6 +15,7 @@
 pub mod arrangement;
 pub mod builtin;
 pub mod cut;
+mod digest;
 pub mod hard_case;
 mod normals;
 mod statistics;

@@ -10,7 +10,7 @@ use pellucid::oracle::stylize::Tables;
 use pellucid::oracle::{compare, composite, rasterize, stylize};
 use pellucid::plan::{Capture, Opacity, Pass};
 use pellucid::render::{GpuScene, Renderer};
-use pellucid::scene::{Arrangement, PartLook, PartStyle, Presence, Scene, builtin};
+use pellucid::scene::{AlphaMode, Arrangement, PartLook, PartStyle, Presence, Scene, builtin};
 use pellucid::settings::Settings;
 
 use crate::common::*;
@@ -58,9 +58,20 @@ fn lively_arrangement(scene: &Scene) -> Arrangement {
 #[test]
 fn every_stage_of_an_arranged_scene_is_the_oracles() {
     let Some(mut r) = renderer() else { return };
-    for name in ["hard/assembly?seed=3", "hard/assembly?seed=11"] {
+    // Textures, vertex colours and holes are in it too.
+    let colored = |scene: &Scene| {
+        let color = |p: u32| Some([0.1 * f64::from(p % 10), 0.5, 1.0 - 0.1 * f64::from(p % 10)]);
+        with((0..scene.parts.len() as u32).map(|p| (p, PartLook { color: color(p), ..PartLook::default() })))
+    };
+    type Arrange<'a> = &'a dyn Fn(&Scene) -> Arrangement;
+    let cases: [(&str, Arrange<'_>); 3] = [
+        ("hard/assembly?seed=3", &lively_arrangement),
+        ("hard/assembly?seed=11", &lively_arrangement),
+        ("hard/assembly?seed=3", &colored),
+    ];
+    for (name, arrange) in cases {
         let scene = builtin::build(name).expect("a scene");
-        let arrangement = lively_arrangement(&scene);
+        let arrangement = arrange(&scene);
         let moved = arranged(&scene, &arrangement);
         let loaded = load(&mut r, &scene, &arrangement);
         assert_eq!(loaded.stats.bounds, moved.bounds());
@@ -195,7 +206,7 @@ fn the_plan_follows_the_looks() {
     let scene = scene();
     let camera = camera(&scene, false);
     // Of opaque materials only.
-    let glass = scene.materials.iter().position(|m| m.alpha_mode == pellucid::scene::AlphaMode::Blend);
+    let glass = scene.materials.iter().position(|m| m.alpha_mode == AlphaMode::Blend);
     let of_glass = |mesh: usize| scene.meshes[mesh].primitives.iter().any(|p| Some(p.material) == glass);
     let blended = scene.parts.iter().enumerate().filter(|(_, p)| of_glass(p.mesh));
     let hidden: BTreeMap<u32, PartLook> = blended.map(|(i, _)| (i as u32, look(Presence::Hidden))).collect();
@@ -297,6 +308,29 @@ fn picking_goes_through_opaque_pictures_and_samples() {
     assert!(found.iter().all(|l| l.opacity == 1.0 && l.kappa.is_finite()));
 }
 
+#[test]
+fn picking_is_the_same_where_pictures_take_bands() {
+    let scene = builtin::build("gearbox").expect("a scene");
+    let arrangement = lively_arrangement(&scene);
+    let (camera, size) = (front(&scene, false), [200, 160]);
+    let pixels = [[100, 80], [0, 0], [130, 60], [100, 159], [70, 100]];
+    let mut picked = Vec::new();
+    for (r, what) in [(renderer(), "whole"), (small_renderer(), "in bands")] {
+        let Some(mut r) = r else { return };
+        let loaded = load(&mut r, &scene, &arrangement);
+        let settings = Settings::default();
+        let bands = r.render(&loaded, &camera, &settings, size).expect("a frame").report.bands;
+        assert_eq!(bands > 1, what == "in bands");
+        let begin = std::time::Instant::now();
+        let pick = |pixel| r.pick(&loaded, &camera, &settings, size, pixel).expect("layers");
+        picked.push(pixels.map(pick));
+        let each = begin.elapsed().as_secs_f64() * 1e3 / pixels.len() as f64;
+        println!("{what}: {each:.1} ms for each of {} pixels", pixels.len());
+    }
+    assert!(picked[0].iter().any(|layers| layers.len() > 5));
+    assert_eq!(picked[0], picked[1]);
+}
+
 /// By definition: outside, with a pixel of the mask at most `width` away.
 fn outlined(mask: &[bool], size: [u32; 2], width: f64) -> Vec<bool> {
     let [w, h] = size.map(|s| s as i32);
@@ -316,7 +350,13 @@ fn the_outline_goes_around_what_is_selected_and_changes_nothing_else() {
     let Some(mut r) = renderer() else { return };
     let scene = scene();
     let camera = front(&scene, false);
-    let selected = BTreeSet::from([2, 3]);
+    // One with holes among them.
+    let has_holes = |mesh: usize| {
+        let materials = scene.meshes[mesh].primitives.iter().map(|p| &scene.materials[p.material]);
+        materials.into_iter().any(|m| matches!(m.alpha_mode, AlphaMode::Mask { .. }))
+    };
+    let masked = scene.parts.iter().position(|p| has_holes(p.mesh)).expect("a part with holes") as u32;
+    let selected = BTreeSet::from([2, masked]);
     let selection = Arrangement { selected: selected.clone(), ..Arrangement::default() };
     let only = |p: u32| if selected.contains(&p) { Presence::Shown } else { Presence::Hidden };
     let alone = with((0..scene.parts.len() as u32).map(|p| (p, look(only(p)))));

@@ -41,7 +41,9 @@ fn take(r: &mut Renderer, scene: &GpuScene, camera: &Camera, settings: &Settings
 #[test]
 fn every_stage_of_a_cut_scene_is_the_oracles() {
     let Some(mut r) = renderer() else { return };
-    for (name, far) in [("hard/assembly?seed=3", false), ("hard/assembly?seed=5&offset=1e5", true), ("torus?segments=24", false)] {
+    for (name, far) in
+        [("hard/assembly?seed=3", false), ("hard/assembly?seed=5&offset=1e5", true), ("torus?segments=24", false)]
+    {
         let scene = builtin::build(name).expect("a scene");
         let mut arrangement = Arrangement { explode: if far { 0.0 } else { 0.2 }, ..Arrangement::default() };
         arrangement.sections = vec![

@@ -31,6 +31,8 @@ fn far_boxes() -> Vec<u8> {
     let nodes = model["nodes"].as_array_mut().unwrap();
     let root = nodes.len();
     for (i, node) in nodes.iter_mut().enumerate() {
+        // Beside each other, so that there is something to move apart.
+        node["translation"] = json!([0.9 * i as f64, 0.0, 0.2]);
         node["name"] = json!(["outer", "middle", "inner"][i.min(2)]);
     }
     nodes.push(json!({ "name": "all", "children": [0, 1, 2], "translation": [1.0e6 + 1.0 / 3.0, 7.7, -3.0e5] }));

@@ -7,7 +7,7 @@ use super::support::repository;
 /// The rooms. Each may use those before it, and itself.
 const ROOMS: &[&str] = &[
     "math", "scene", "transfer", "import", "settings", "session", "plan", "oracle", "gpu", "passes", "render",
-    "export", "tradeoff", "cli", "app",
+    "export", "tradeoff", "app", "cli",
 ];
 
 /// Rooms that must be usable without a GPU: nothing in them names these.

@@ -1,0 +1,137 @@
+//! Files chosen in dialogs: the desktop's, or, where there is none (no portal, a bare X server), a line to type a path into.
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use winit::window::Window;
+
+use super::workspace::{Ask, Gravity, Prompt, Workspace};
+use crate::export::png::png_of_rgba8;
+
+/// A dialog that is over so soon was never there.
+const NEVER_THERE: Duration = Duration::from_millis(400);
+
+/// What a file is chosen for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Choice {
+    /// To be opened.
+    Open,
+    /// The session is written to it.
+    SaveSession,
+    /// The picture is written to it.
+    SavePicture,
+}
+
+impl Choice {
+    /// Title of the dialog.
+    pub fn title(self) -> &'static str {
+        match self {
+            Choice::Open => "Open a model or a session",
+            Choice::SaveSession => "Save the session",
+            Choice::SavePicture => "Save the picture",
+        }
+    }
+
+    fn ending(self) -> &'static str {
+        match self {
+            Choice::Open => "glb",
+            Choice::SaveSession => "toml",
+            Choice::SavePicture => "png",
+        }
+    }
+}
+
+/// The answer to a dialog.
+#[derive(Debug)]
+pub struct Chosen {
+    choice: Choice,
+    path: Option<PathBuf>,
+    suggestion: String,
+    never_there: bool,
+}
+
+/// Shows the desktop's dialog; `done` is called from another thread. `file` is the model that is open.
+pub fn choose(choice: Choice, window: Option<&Window>, file: Option<&str>, done: impl FnOnce(Chosen) + Send + 'static) {
+    let stem = file.map(|f| f.trim_start_matches("builtin:")).and_then(|f| Path::new(f).file_stem());
+    let stem = stem.map_or_else(|| "pellucid".to_owned(), |s| s.to_string_lossy().into_owned());
+    let suggestion = format!("{stem}.{}", choice.ending());
+    let mut dialog = rfd::AsyncFileDialog::new().set_title(choice.title());
+    if let Some(window) = window {
+        dialog = dialog.set_parent(window);
+    }
+    let begin = Instant::now();
+    let finish = move |handle: Option<rfd::FileHandle>| {
+        let path = handle.map(|h| h.path().to_path_buf());
+        let never_there = path.is_none() && begin.elapsed() < NEVER_THERE;
+        let suggestion = if choice == Choice::Open { String::new() } else { suggestion };
+        done(Chosen { choice, path, suggestion, never_there });
+    };
+    let name = format!("{stem}.{}", choice.ending());
+    // Made here, because some desktops want that on the window's thread; waited for elsewhere.
+    let spawned = match choice {
+        Choice::Open => {
+            let answer = dialog.add_filter("Models and sessions", &["glb", "gltf", "toml"]).pick_file();
+            std::thread::Builder::new().name("dialog".to_owned()).spawn(move || finish(pollster::block_on(answer)))
+        }
+        Choice::SaveSession | Choice::SavePicture => {
+            let answer = dialog.set_file_name(name).save_file();
+            std::thread::Builder::new().name("dialog".to_owned()).spawn(move || finish(pollster::block_on(answer)))
+        }
+    };
+    if let Err(e) = spawned {
+        tracing::error!("no dialog: {e}");
+    }
+}
+
+/// Takes the answer of a dialog.
+pub fn answered(workspace: &mut Workspace, chosen: Chosen) {
+    match chosen.path {
+        Some(path) => workspace.asks.push(Ask::Use(chosen.choice, path.to_string_lossy().into_owned())),
+        None if chosen.never_there => {
+            workspace.layout.prompt = Some(Prompt { choice: chosen.choice, path: chosen.suggestion });
+        }
+        None => {}
+    }
+}
+
+/// Does with a path what it was chosen for.
+pub fn fulfil(workspace: &mut Workspace, choice: Choice, path: &str) {
+    let path = path.trim();
+    if path.is_empty() {
+        return;
+    }
+    let written = match choice {
+        Choice::Open => {
+            workspace.asks.push(Ask::Open(path.to_owned()));
+            return;
+        }
+        Choice::SaveSession => {
+            let folder = Path::new(path).parent().unwrap_or(Path::new(""));
+            workspace.session(folder).and_then(|text| write(Path::new(path), text.as_bytes()))
+        }
+        Choice::SavePicture => picture(workspace).and_then(|png| write(Path::new(path), &png)),
+    };
+    match written {
+        Ok(()) => workspace.say(Gravity::Note, format!("{path} is written.")),
+        Err(reason) => workspace.say(Gravity::Error, format!("{path}: {reason}")),
+    }
+}
+
+/// The picture on screen as PNG, if it is the exact one.
+fn picture(workspace: &Workspace) -> Result<Vec<u8>, String> {
+    let Some(screen) = workspace.screen.as_ref().filter(|_| workspace.is_exact()) else {
+        return Err("the exact picture is not there yet".to_owned());
+    };
+    let opaque = screen.shown.background.is_some();
+    png_of_rgba8(&screen.shown.rgba, screen.shown.size, opaque).map_err(|e| e.to_string())
+}
+
+/// Writes a file, whole or not at all.
+fn write(path: &Path, bytes: &[u8]) -> Result<(), String> {
+    let draft = path.with_extension(format!("{}.tmp", std::process::id()));
+    std::fs::write(&draft, bytes).and_then(|()| std::fs::rename(&draft, path)).map_err(|e| {
+        // It may never have come to be.
+        let _ = std::fs::remove_file(&draft);
+        e.to_string()
+    })
+}

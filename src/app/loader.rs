@@ -1,0 +1,199 @@
+//! Opening a model without holding up the window: a thread, how far it is, and a way to call it off.
+
+use std::io::Read;
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use crate::import::{self, ImportOptions};
+use crate::scene::{Scene, builtin};
+use crate::session::Session;
+
+/// In front of the name of a generated scene.
+const BUILTIN: &str = "builtin:";
+/// Bytes read between two looks at the flag.
+const PIECE: usize = 1 << 20;
+
+/// A model and, if a session file asked for it, what is to be seen of it.
+pub struct Opened {
+    /// The model.
+    pub scene: Scene,
+    /// The session; its camera is in the file's coordinates.
+    pub session: Option<Session>,
+}
+
+/// Largest session file that is read, bytes.
+const LARGEST_SESSION: u64 = 16 << 20;
+
+/// What the thread is at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Phase {
+    /// Reads; the share that is done.
+    Reading(f32),
+    /// Makes a scene of what was read.
+    Building,
+}
+
+#[derive(Default)]
+struct Shared {
+    called_off: AtomicBool,
+    read: AtomicU64,
+    total: AtomicU64,
+    building: AtomicBool,
+    result: Mutex<Option<Result<Opened, String>>>,
+}
+
+/// A model on its way.
+pub struct Loading {
+    /// As it was asked for.
+    pub file: String,
+    shared: Arc<Shared>,
+}
+
+impl Loading {
+    /// Begins. `wake` is called, from the thread, as it gets on and when it is done.
+    pub fn begin(file: &str, wake: impl Fn() + Send + 'static) -> Loading {
+        let shared = Arc::new(Shared::default());
+        let (theirs, name) = (Arc::clone(&shared), file.to_owned());
+        let run = move || {
+            let result = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| load(&name, &theirs, &wake)))
+                .unwrap_or_else(|_| Err(format!("{name}: the importer panicked; the log says where")));
+            *theirs.result.lock().unwrap_or_else(PoisonError::into_inner) = Some(result);
+            wake();
+        };
+        if let Err(e) = std::thread::Builder::new().name("loader".to_owned()).spawn(run) {
+            *shared.result.lock().unwrap_or_else(PoisonError::into_inner) = Some(Err(format!("{file}: {e}")));
+        }
+        Loading { file: file.to_owned(), shared }
+    }
+
+    /// How far it is.
+    pub fn phase(&self) -> Phase {
+        let total = self.shared.total.load(Ordering::Relaxed);
+        if self.shared.building.load(Ordering::Relaxed) || total == 0 {
+            return Phase::Building;
+        }
+        Phase::Reading(self.shared.read.load(Ordering::Relaxed) as f32 / total as f32)
+    }
+
+    /// The scene, or why there is none, once.
+    pub fn take(&self) -> Option<Result<Opened, String>> {
+        self.shared.result.lock().unwrap_or_else(PoisonError::into_inner).take()
+    }
+}
+
+impl Drop for Loading {
+    /// Calls it off: reading stops, and a scene that is being made is thrown away when it is done.
+    fn drop(&mut self) {
+        self.shared.called_off.store(true, Ordering::Relaxed);
+    }
+}
+
+fn load(file: &str, shared: &Shared, wake: &impl Fn()) -> Result<Opened, String> {
+    let path = Path::new(file);
+    if !file.starts_with(BUILTIN) && path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")) {
+        let said = |e: &dyn std::error::Error| format!("{file}: {}", full(e));
+        let mut text = String::new();
+        let source = std::fs::File::open(path).map_err(|e| said(&e))?;
+        source.take(LARGEST_SESSION).read_to_string(&mut text).map_err(|e| said(&e))?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let session = Session::from_toml(&text).map_err(|e| said(&e))?.rebased(folder);
+        let scene = load_scene(session.file(), shared, wake)?;
+        let session = session.resolve(&scene).map_err(|e| said(&e))?;
+        return Ok(Opened { scene, session: Some(session) });
+    }
+    Ok(Opened { scene: load_scene(file, shared, wake)?, session: None })
+}
+
+fn load_scene(file: &str, shared: &Shared, wake: &impl Fn()) -> Result<Scene, String> {
+    if let Some(name) = file.strip_prefix(BUILTIN) {
+        return builtin::build(name).map_err(|e| e.to_string());
+    }
+    let path = Path::new(file);
+    let known = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("glb") || e.eq_ignore_ascii_case("gltf"));
+    if !known || path.is_dir() {
+        // It says what is wrong with the name.
+        return import::load(path).map_err(|e| full(&e));
+    }
+    let bytes = read(path, shared, wake).map_err(|e| format!("{file}: {e}"))?;
+    shared.building.store(true, Ordering::Relaxed);
+    wake();
+    let name = path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    import::load_bytes(&bytes, &name, Some(folder)).map_err(|e| full(&e))
+}
+
+/// An error and whatever caused it, in one line.
+fn full(error: &dyn std::error::Error) -> String {
+    let mut text = error.to_string();
+    let mut cause = error.source();
+    while let Some(e) = cause {
+        let more = e.to_string();
+        if !text.contains(&more) {
+            text = format!("{text}: {more}");
+        }
+        cause = e.source();
+    }
+    text
+}
+
+fn read(path: &Path, shared: &Shared, wake: &impl Fn()) -> Result<Vec<u8>, String> {
+    let limit = ImportOptions::default().limits.bytes;
+    let file = std::fs::File::open(path).map_err(|e| e.to_string())?;
+    let total = file.metadata().map_err(|e| e.to_string())?.len();
+    shared.total.store(total.max(1), Ordering::Relaxed);
+    let mut rest = file.take(limit + 1);
+    let mut bytes = Vec::new();
+    let mut piece = vec![0; PIECE];
+    loop {
+        if shared.called_off.load(Ordering::Relaxed) {
+            return Err("called off".to_owned());
+        }
+        match rest.read(&mut piece).map_err(|e| e.to_string())? {
+            0 => break,
+            n => bytes.extend_from_slice(&piece[..n]),
+        }
+        if bytes.len() as u64 > limit {
+            return Err(format!("larger than {} MiB", limit >> 20));
+        }
+        shared.read.store(bytes.len() as u64, Ordering::Relaxed);
+        wake();
+    }
+    Ok(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn wait(loading: &Loading) -> Result<Opened, String> {
+        for _ in 0..6000 {
+            if let Some(result) = loading.take() {
+                return result;
+            }
+            std::thread::sleep(std::time::Duration::from_millis(5));
+        }
+        panic!("{} never came", loading.file);
+    }
+
+    #[test]
+    fn scenes_come_and_errors_say_what_is_wrong() {
+        let scene = wait(&Loading::begin("builtin:quads", || {})).unwrap().scene;
+        assert!(!scene.parts.is_empty());
+        let folder = tempfile::tempdir().unwrap();
+        let broken = folder.path().join("broken.glb");
+        std::fs::write(&broken, b"glTF and nothing else").unwrap();
+        let session = folder.path().join("session.toml");
+        std::fs::write(&session, "file = 3").unwrap();
+        for (file, word) in [
+            ("builtin:nothing", "nothing"),
+            ("/no/such/file.glb", "/no/such/file.glb"),
+            ("/etc/hostname", "hostname"),
+            (broken.to_str().unwrap(), "broken"),
+            (session.to_str().unwrap(), "session.toml"),
+        ] {
+            let error = wait(&Loading::begin(file, || {})).map(|_| ()).unwrap_err();
+            assert!(error.contains(word), "{file}: {error}");
+        }
+    }
+}

@@ -1,0 +1,154 @@
+//! The menus.
+
+use egui::{Button, MenuBar, Ui};
+
+use crate::app::camera::{self, Habits};
+use crate::app::config::Theme;
+use crate::app::dialogs::Choice;
+use crate::app::workspace::{Ask, Gravity, Workspace};
+use crate::app::{command_line, panels::style};
+use crate::scene::builtin;
+
+/// Sizes of the interface that are offered.
+const SCALES: [f32; 6] = [0.8, 0.9, 1.0, 1.25, 1.5, 2.0];
+
+/// The bar with all menus, and what file is open.
+pub fn show(ui: &mut Ui, workspace: &mut Workspace) {
+    MenuBar::new().ui(ui, |ui| {
+        ui.menu_button("File", |ui| file(ui, workspace));
+        ui.menu_button("Edit", |ui| edit(ui, workspace));
+        ui.menu_button("View", |ui| view(ui, workspace));
+        ui.menu_button("Help", |ui| {
+            if item(ui, "Keyboard and mouse", "F1") {
+                workspace.layout.shortcuts = true;
+            }
+        });
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            if let Some(document) = &workspace.document {
+                let name = document.file.rsplit(['/', '\\']).next().unwrap_or(&document.file);
+                ui.weak(name).on_hover_text(&document.file);
+            }
+        });
+    });
+}
+
+fn item(ui: &mut Ui, text: &str, keys: &str) -> bool {
+    ui.add(Button::new(text).shortcut_text(keys)).clicked()
+}
+
+fn file(ui: &mut Ui, workspace: &mut Workspace) {
+    if item(ui, "Open…", "Ctrl+O") {
+        workspace.asks.push(Ask::Choose(Choice::Open));
+    }
+    let recent = workspace.preferences.recent.clone();
+    ui.add_enabled_ui(!recent.is_empty(), |ui| {
+        ui.menu_button("Open recent", |ui| {
+            for file in &recent {
+                let name = file.rsplit(['/', '\\']).next().unwrap_or(file);
+                if ui.button(name).on_hover_text(file).clicked() {
+                    workspace.asks.push(Ask::Open(file.clone()));
+                }
+            }
+        });
+    });
+    ui.menu_button("Built-in models", |ui| {
+        egui::ScrollArea::vertical().max_height(420.0).show(ui, |ui| {
+            for scene in builtin::names() {
+                if ui.button(scene.name).on_hover_text(scene.description).clicked() {
+                    workspace.asks.push(Ask::Open(format!("builtin:{}", scene.name)));
+                }
+            }
+        });
+    });
+    ui.separator();
+    let open = workspace.document.is_some();
+    ui.add_enabled_ui(open, |ui| {
+        if item(ui, "Save session…", "Ctrl+S") {
+            workspace.asks.push(Ask::Choose(Choice::SaveSession));
+        }
+        if item(ui, "Save picture…", "Ctrl+P") {
+            workspace.asks.push(Ask::Choose(Choice::SavePicture));
+        }
+        if item(ui, "Copy as command line", "Ctrl+Shift+C") {
+            copy_command_line(workspace);
+        }
+    });
+    ui.separator();
+    if item(ui, "Quit", "Ctrl+Q") {
+        workspace.asks.push(Ask::Quit);
+    }
+}
+
+/// Puts the command that renders what is seen on the clipboard.
+pub fn copy_command_line(workspace: &mut Workspace) {
+    let Some(document) = &workspace.document else {
+        return;
+    };
+    match command_line::of(document, workspace.viewport.size) {
+        Ok(line) => {
+            workspace.asks.push(Ask::Copy(line));
+            workspace.say(Gravity::Note, "The command line is on the clipboard.");
+        }
+        Err(reason) => workspace.say(Gravity::Error, reason),
+    }
+}
+
+fn edit(ui: &mut Ui, workspace: &mut Workspace) {
+    let (undo, redo) = workspace.document.as_ref().map_or((false, false), |d| d.ways());
+    if ui.add_enabled(undo, Button::new("Undo").shortcut_text("Ctrl+Z")).clicked() {
+        workspace.undo();
+    }
+    if ui.add_enabled(redo, Button::new("Redo").shortcut_text("Ctrl+Shift+Z")).clicked() {
+        workspace.redo();
+    }
+    ui.separator();
+    ui.add_enabled_ui(workspace.document.is_some(), |ui| {
+        if ui.button("Reset all settings").clicked()
+            && let Some(document) = &mut workspace.document
+        {
+            document.seen.settings = Default::default();
+        }
+    });
+}
+
+fn view(ui: &mut Ui, workspace: &mut Workspace) {
+    ui.add_enabled_ui(workspace.document.is_some(), |ui| {
+        for (name, text, keys) in
+            [("front", "Front", "1"), ("right", "Right", "3"), ("top", "Top", "7"), ("isometric", "Isometric", "9")]
+        {
+            if item(ui, text, keys) {
+                workspace.look(|f, s, c| camera::named(c, &s.bounds(), f.aspect(), name, false));
+            }
+        }
+        if item(ui, "Perspective or parallel", "5") {
+            workspace.look(|_, _, c| Some(camera::other_projection(c)));
+        }
+        if item(ui, "Show everything", "Home") {
+            workspace.look(|f, s, c| Some(camera::framed(c, &s.bounds(), f.aspect())));
+        }
+    });
+    ui.separator();
+    let before = workspace.preferences.clone();
+    let preferences = &mut workspace.preferences;
+    ui.checkbox(&mut preferences.parts, "Parts");
+    ui.checkbox(&mut preferences.stages, "Stages");
+    ui.menu_button("Theme", |ui| {
+        for (theme, name) in [(Theme::System, "As the desktop"), (Theme::Dark, "Dark"), (Theme::Light, "Light")] {
+            ui.radio_value(&mut preferences.theme, theme, name);
+        }
+    });
+    ui.menu_button("Size of the interface", |ui| {
+        for scale in SCALES {
+            ui.radio_value(&mut preferences.scale, scale, format!("{:.0} %", scale * 100.0));
+        }
+    });
+    ui.menu_button("Mouse as in", |ui| {
+        for (habits, name) in Habits::ALL {
+            ui.radio_value(&mut preferences.mouse, habits, name);
+        }
+    });
+    if *preferences != before {
+        style::apply(ui.ctx(), preferences);
+        workspace.asks.push(Ask::Remember);
+    }
+}

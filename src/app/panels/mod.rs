@@ -1,0 +1,65 @@
+//! What stands around the picture, one function a panel. All of them work on the [`Workspace`] alone.
+
+pub mod menu;
+pub mod messages;
+pub mod parts;
+pub mod plan;
+pub mod shortcuts;
+pub mod stages;
+pub mod status;
+pub mod style;
+#[cfg(test)]
+mod tests;
+
+use egui::{CentralPanel, Frame, Panel, Pos2, Rect, Sense, Ui};
+
+use super::viewport::{self, Paint};
+use super::workspace::{Viewport, Workspace};
+
+/// Everything, from the outside in.
+pub fn show(ui: &mut Ui, workspace: &mut Workspace) {
+    Panel::top("menu").show(ui, |ui| menu::show(ui, workspace));
+    Panel::bottom("status").show(ui, |ui| status::show(ui, workspace));
+    if workspace.preferences.stages {
+        Panel::right("stages").default_size(316.0).size_range(240.0..=520.0).show(ui, |ui| {
+            egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+                stages::show(ui, workspace);
+                plan::show(ui, workspace);
+            });
+        });
+    }
+    if workspace.preferences.parts {
+        Panel::left("parts").default_size(220.0).size_range(140.0..=520.0).show(ui, |ui| parts::show(ui, workspace));
+    }
+    CentralPanel::default().frame(Frame::NONE).show(ui, |ui| picture(ui, workspace));
+    messages::prompt(ui, workspace);
+    shortcuts::show(ui, workspace);
+}
+
+/// The picture, and what lies on it.
+fn picture(ui: &mut Ui, workspace: &mut Workspace) {
+    let ppp = ui.ctx().pixels_per_point();
+    let rect = ui.max_rect();
+    let pixel = |v: f32| (v * ppp).round().max(0.0) as u32;
+    let (left, top) = (pixel(rect.left()), pixel(rect.top()));
+    let size = [pixel(rect.right()).saturating_sub(left), pixel(rect.bottom()).saturating_sub(top)];
+    workspace.viewport = Viewport { origin: [left, top], size };
+    let point = |x: u32, y: u32| Pos2::new(x as f32 / ppp, y as f32 / ppp);
+    let rect = Rect::from_min_max(point(left, top), point(left + size[0], top + size[1]));
+    let response = ui.allocate_rect(rect, Sense::click_and_drag());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, "Viewport"));
+    match &workspace.screen {
+        Some(screen) => {
+            let moved = workspace.document.as_ref().filter(|d| (d.seen.camera, size) != screen.view).and_then(|d| {
+                let (then, of) = &screen.view;
+                viewport::moved_along((then, *of), (&d.seen.camera, size), &d.scene.bounds())
+            });
+            let paint = Paint { picture: screen.shown.clone(), origin: [left, top], size, moved };
+            ui.painter().add(egui_wgpu::Callback::new_paint_callback(rect, paint));
+        }
+        None => {
+            ui.painter().rect_filled(rect, 0.0, style::behind_the_picture(ui.visuals().dark_mode));
+        }
+    }
+    messages::show(ui, rect, workspace);
+}

@@ -1,0 +1,55 @@
+//! What keys and mouse do.
+
+use egui::{Grid, Ui, Window};
+
+use crate::app::camera::Habits;
+use crate::app::workspace::Workspace;
+
+/// Keys, and what they do.
+pub const KEYS: &[(&str, &str)] = &[
+    ("Ctrl+O", "Open a file; or drop one on the window"),
+    ("Ctrl+Z, Ctrl+Shift+Z", "Undo, redo"),
+    ("1, 3, 7, 9", "Front, right, top, isometric"),
+    ("Ctrl+1, 3, 7, 9", "The same from the other side"),
+    ("5", "Perspective or parallel"),
+    ("Home", "Show everything"),
+    ("Ctrl+S", "Save the session"),
+    ("Ctrl+P", "Save the picture"),
+    ("Ctrl+Shift+C", "Copy as command line"),
+    ("F1", "This list"),
+    ("Esc", "Dismiss messages"),
+    ("Ctrl+Q", "Quit"),
+];
+
+fn mouse(habits: Habits) -> [(&'static str, &'static str); 5] {
+    let (turn, pan, zoom) = match habits {
+        Habits::F3d => ("Left", "Middle or Shift+left", "Right"),
+        Habits::Blender => ("Middle or Alt+left", "Shift+middle", "Ctrl+middle"),
+        Habits::Cad => ("Middle or right", "Ctrl+middle", "Shift+middle"),
+    };
+    [
+        (turn, "Turn"),
+        (pan, "Move"),
+        (zoom, "Zoom"),
+        ("Wheel", "Zoom to the cursor"),
+        ("Click", "Select a part and turn about it; again for what is behind"),
+    ]
+}
+
+/// The list, if it is asked for.
+pub fn show(ui: &mut Ui, workspace: &mut Workspace) {
+    if !workspace.layout.shortcuts {
+        return;
+    }
+    let mut open = true;
+    Window::new("Keyboard and mouse").open(&mut open).resizable(false).collapsible(false).show(ui.ctx(), |ui| {
+        Grid::new("shortcuts").num_columns(2).spacing([16.0, 4.0]).show(ui, |ui| {
+            for (keys, what) in KEYS.iter().copied().chain(mouse(workspace.preferences.mouse)) {
+                ui.monospace(keys);
+                ui.label(what);
+                ui.end_row();
+            }
+        });
+    });
+    workspace.layout.shortcuts = open;
+}

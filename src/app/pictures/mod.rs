@@ -1,0 +1,257 @@
+//! Who draws: an exact picture that may take its time, and previews that may not.
+//!
+//! Two threads, each with a device of its own, so that neither waits in the other's queue, nor the window's frames in theirs.
+//! Each has room for one order; the newest replaces the one before, so no queue builds up. While things move, previews are
+//! drawn one after the other, each of what is newest when it begins, as coarse as [`pace`] finds needed to stay within
+//! the target; on a software rasterizer of fewer triangles too ([`simplify`]). The exact picture is the very one of
+//! `pellucid render`. It begins when nothing has moved for [`STILL`], and is abandoned, between passes, as soon as something
+//! does. Where exact pictures are as fast as previews have to be, there are no previews.
+
+pub mod pace;
+pub mod simplify;
+mod worker;
+
+use std::sync::mpsc::{Receiver, channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use super::document::Seen;
+use crate::math::Camera;
+use crate::render::{FrameReport, PickedLayer};
+use crate::scene::Scene;
+use pace::Pace;
+use worker::Worker;
+
+/// What a preview may take, milliseconds, so that the frame that shows it comes within 100.
+pub const TARGET: f64 = 60.0;
+/// How long nothing moves before the exact picture is begun.
+pub const STILL: Duration = Duration::from_millis(150);
+
+/// Which picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// In time rather than right.
+    Preview,
+    /// As `pellucid render` draws it.
+    Exact,
+}
+
+impl Kind {
+    /// In a word.
+    pub fn name(self) -> &'static str {
+        match self {
+            Kind::Preview => "preview",
+            Kind::Exact => "exact",
+        }
+    }
+}
+
+/// What is to be drawn.
+#[derive(Clone)]
+pub struct Order {
+    /// Counts up; equal orders are equal pictures.
+    pub number: u64,
+    /// The scene.
+    pub scene: Arc<Scene>,
+    /// Another one has another number.
+    pub scene_number: u64,
+    /// Settings and camera.
+    pub seen: Seen,
+    /// Of the viewport, pixels.
+    pub size: [u32; 2],
+    /// When to begin.
+    not_before: Instant,
+}
+
+/// Layers that are to be found.
+#[derive(Clone)]
+pub struct PickOrder {
+    /// The scene.
+    pub scene: Arc<Scene>,
+    /// Another one has another number.
+    pub scene_number: u64,
+    /// Settings, camera and arrangement.
+    pub seen: Seen,
+    /// Of the viewport, pixels.
+    pub size: [u32; 2],
+    /// Column and row.
+    pub pixel: [u32; 2],
+}
+
+/// Layers under a pixel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picked {
+    /// Column and row in the viewport.
+    pub pixel: [u32; 2],
+    /// From where it was seen.
+    pub of: Camera,
+    /// Nearest first.
+    pub layers: Vec<PickedLayer>,
+}
+
+/// A drawn picture.
+pub struct Picture {
+    /// Of which order.
+    pub number: u64,
+    /// Exact or not.
+    pub kind: Kind,
+    /// Of which scene.
+    pub scene_number: u64,
+    /// Size of the viewport that it is for.
+    pub viewport: [u32; 2],
+    /// Its own size; smaller in a preview.
+    pub size: [u32; 2],
+    /// 8-bit sRGB, straight alpha.
+    pub rgba: Vec<u8>,
+    /// What is behind the model, linear light; `None` is transparent.
+    pub background: Option<[f32; 3]>,
+    /// From order to pixels.
+    pub milliseconds: f64,
+    /// Whether it was drawn without a GPU.
+    pub software: bool,
+    /// What the renderer says.
+    pub report: FrameReport,
+    /// What it shows.
+    pub seen: Seen,
+}
+
+/// Why there is no picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fault {
+    /// Of which order.
+    pub number: u64,
+    /// Which picture.
+    pub kind: Kind,
+    /// What to say.
+    pub message: String,
+}
+
+/// What comes back from the threads.
+pub enum Delivery {
+    /// A picture.
+    Picture(Box<Picture>),
+    /// None.
+    Fault(Fault),
+    /// What is under a pixel.
+    Picked(Picked),
+}
+
+/// Both threads and what was asked of them.
+pub struct Pictures {
+    preview: Worker,
+    exact: Worker,
+    pace: Arc<Mutex<Pace>>,
+    deliveries: Receiver<Delivery>,
+    number: u64,
+    asked: Option<Order>,
+    /// Of the last exact picture of a scene.
+    exact_time: Option<(u64, f64)>,
+}
+
+impl Pictures {
+    /// Starts the threads. `wake` is called, from them, when there is something to [`Pictures::take`].
+    pub fn start(wake: impl Fn() + Send + Sync + 'static) -> Pictures {
+        let wake: Arc<dyn Fn() + Send + Sync> = Arc::new(wake);
+        let (sender, deliveries) = channel();
+        let pace = Arc::new(Mutex::new(Pace::new(TARGET)));
+        let start = |kind| Worker::start(kind, Arc::clone(&pace), sender.clone(), Arc::clone(&wake));
+        Pictures {
+            preview: start(Kind::Preview),
+            exact: start(Kind::Exact),
+            pace,
+            deliveries,
+            number: 0,
+            asked: None,
+            exact_time: None,
+        }
+    }
+
+    /// Asks for pictures, unless the same was asked for last; gives the number that they will have.
+    pub fn ask(&mut self, scene: &Arc<Scene>, scene_number: u64, seen: &Seen, size: [u32; 2]) -> u64 {
+        if let Some(asked) = &self.asked
+            && (asked.scene_number, asked.size) == (scene_number, size)
+            && asked.seen == *seen
+        {
+            return self.number;
+        }
+        self.number += 1;
+        let now = Instant::now();
+        let fast = self.exact_time.is_some_and(|(of, ms)| of == scene_number && ms <= TARGET);
+        let order = Order {
+            number: self.number,
+            scene: Arc::clone(scene),
+            scene_number,
+            seen: seen.clone(),
+            size,
+            not_before: now,
+        };
+        self.exact.post(Order { not_before: if fast { now } else { now + STILL }, ..order.clone() });
+        if !fast {
+            self.preview.post(order.clone());
+        }
+        self.asked = Some(order);
+        self.number
+    }
+
+    /// Asks for the layers under a pixel, of the model itself and not of a simpler one.
+    pub fn pick(&self, order: PickOrder) {
+        self.exact.pick(order);
+    }
+
+    /// Asks again for what was asked for last, as after a fault.
+    pub fn again(&mut self) {
+        self.asked = None;
+    }
+
+    /// Asks for nothing: no model is open.
+    pub fn clear(&mut self) {
+        self.asked = None;
+        self.preview.clear();
+        self.exact.clear();
+    }
+
+    /// What came back since the last call.
+    pub fn take(&mut self) -> Vec<Delivery> {
+        let all: Vec<Delivery> = self.deliveries.try_iter().collect();
+        for delivery in &all {
+            if let Delivery::Picture(p) = delivery
+                && p.kind == Kind::Exact
+            {
+                self.exact_time = Some((p.scene_number, p.milliseconds));
+            }
+        }
+        all
+    }
+
+    /// The number of the last order.
+    pub fn number(&self) -> u64 {
+        self.number
+    }
+
+    /// By how much previews are divided.
+    pub fn divisor(&self) -> f64 {
+        self.pace.lock().unwrap_or_else(PoisonError::into_inner).divisor()
+    }
+}
+
+/// Whether a picture is worth showing after the one that is shown: of a newer order, or the exact one of the same.
+pub fn supersedes(new: (u64, Kind), shown: Option<(u64, Kind)>) -> bool {
+    shown.is_none_or(|(number, kind)| {
+        new.0 > number || (new.0 == number && new.1 == Kind::Exact && kind == Kind::Preview)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pictures_never_go_back() {
+        use Kind::{Exact, Preview};
+        assert!(supersedes((1, Preview), None));
+        assert!(supersedes((1, Exact), Some((1, Preview))));
+        assert!(!supersedes((1, Preview), Some((1, Exact))), "a late preview");
+        assert!(!supersedes((1, Exact), Some((2, Preview))), "an exact picture of what is no longer seen");
+        assert!(supersedes((3, Preview), Some((2, Exact))));
+    }
+}

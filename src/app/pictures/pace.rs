@@ -1,0 +1,115 @@
+//! How coarse a preview is: the controller that holds its time.
+//!
+//! A preview has 1/d of the viewport's width and height, d one of [`DIVISORS`]. After each picture the controller takes the
+//! finest of them whose time, if time goes with the number of pixels, is inside the target. Work that does not depend on pixels
+//! (vertices) makes that too hopeful when it coarsens, which the next measurement mends, and too careful when it refines, which
+//! keeps it from going back and forth.
+
+/// Steps of coarseness.
+pub const DIVISORS: [f64; 8] = [1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0];
+/// Where an unknown model begins.
+const FIRST: usize = 5;
+/// No preview has a side of fewer pixels, unless the viewport has.
+const SMALLEST: f64 = 64.0;
+
+/// Holds the time of previews.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pace {
+    /// What a preview may take, milliseconds.
+    pub target: f64,
+    step: usize,
+    /// The time of the last measurements at this step, smoothed.
+    milliseconds: Option<f64>,
+}
+
+impl Pace {
+    /// For pictures that take no longer than `target` milliseconds.
+    pub fn new(target: f64) -> Pace {
+        Pace { target, step: FIRST, milliseconds: None }
+    }
+
+    /// By how much width and height are divided.
+    pub fn divisor(&self) -> f64 {
+        DIVISORS[self.step]
+    }
+
+    /// The size of the next preview.
+    pub fn size(&self, viewport: [u32; 2]) -> [u32; 2] {
+        viewport.map(|n| {
+            let n = f64::from(n.max(1));
+            (n / self.divisor()).round().max(SMALLEST.min(n)) as u32
+        })
+    }
+
+    /// Takes the time of a preview into account.
+    pub fn measured(&mut self, milliseconds: f64) {
+        if !milliseconds.is_finite() {
+            return;
+        }
+        // A single slow picture (a shader compiled, another program at work) counts half.
+        let smoothed = self.milliseconds.map_or(milliseconds, |m| 0.5 * (m + milliseconds));
+        self.milliseconds = Some(smoothed);
+        let pixels = |step: usize| 1.0 / (DIVISORS[step] * DIVISORS[step]);
+        let predicted = |step: usize| smoothed * pixels(step) / pixels(self.step);
+        let margin = |step: usize| if step < self.step { 0.85 } else { 1.0 };
+        let fits = (0..DIVISORS.len()).find(|&step| predicted(step) <= self.target * margin(step));
+        let next = fits.unwrap_or(DIVISORS.len() - 1);
+        // Finer by one step at a time: it is seen.
+        let next = next.max(self.step.saturating_sub(1));
+        if next != self.step {
+            self.milliseconds = None;
+            self.step = next;
+        }
+    }
+
+    /// Forgets what was measured: another model.
+    pub fn restart(&mut self) {
+        *self = Pace::new(self.target);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Runs the controller against a machine that takes `fixed + per_pixel · pixels`.
+    fn settled(fixed: f64, per_full_picture: f64) -> (Pace, Vec<f64>) {
+        let mut pace = Pace::new(60.0);
+        let time = |p: &Pace| fixed + per_full_picture / (p.divisor() * p.divisor());
+        let mut divisors = Vec::new();
+        for _ in 0..60 {
+            pace.measured(time(&pace));
+            divisors.push(pace.divisor());
+        }
+        (pace, divisors)
+    }
+
+    #[test]
+    fn it_settles_inside_the_target_and_stays() {
+        for (fixed, full) in [(0.0, 30.0), (0.0, 500.0), (10.0, 1000.0), (30.0, 700.0), (45.0, 300.0), (20.0, 60.0)] {
+            let (pace, divisors) = settled(fixed, full);
+            let d = pace.divisor();
+            assert!(fixed + full / (d * d) <= 60.0, "{fixed} {full}: divisor {d}");
+            assert!(divisors[30..].iter().all(|&x| x == d), "{fixed} {full}: {divisors:?}");
+        }
+        assert_eq!(settled(0.0, 30.0).0.divisor(), 1.0);
+        assert_eq!(settled(200.0, 10.0).0.divisor(), 5.0, "nothing helps: as coarse as can be");
+    }
+
+    #[test]
+    fn one_slow_picture_does_not_undo_everything() {
+        let (mut pace, _) = settled(10.0, 1000.0);
+        let before = pace.divisor();
+        pace.measured(90.0);
+        assert!(pace.divisor() <= before * 1.5);
+        pace.measured(f64::NAN);
+    }
+
+    #[test]
+    fn sizes_are_never_empty() {
+        let pace = Pace { step: DIVISORS.len() - 1, ..Pace::new(60.0) };
+        assert_eq!(pace.size([1280, 800]), [256, 160]);
+        assert_eq!(pace.size([3, 1]), [3, 1]);
+        assert_eq!(pace.size([0, 0]), [1, 1]);
+    }
+}

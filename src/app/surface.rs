@@ -1,0 +1,212 @@
+//! The window's own device: its surface and egui's painting on it.
+//!
+//! A surface of no size or beyond the largest texture is a validation error, so the first is not drawn and the second is
+//! clamped. A lost or outdated surface is configured again; after a lost device everything here is made anew.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use egui_wgpu::{Renderer, RendererOptions, ScreenDescriptor};
+use wgpu::CurrentSurfaceTexture as Current;
+use winit::event_loop::ActiveEventLoop;
+use winit::window::Window;
+
+use super::AppError;
+use super::viewport::Screen;
+
+/// What became of a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Drawn {
+    /// It is on its way to the display.
+    Presented,
+    /// Nothing can be drawn now; the window system will say when.
+    Skipped,
+    /// It has to be drawn again at once.
+    Again,
+    /// The device is gone.
+    Lost,
+}
+
+/// A device that draws into a window.
+pub struct Surface {
+    window: Arc<Window>,
+    instance: wgpu::Instance,
+    surface: wgpu::Surface<'static>,
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    config: wgpu::SurfaceConfiguration,
+    largest: u32,
+    renderer: Renderer,
+    lost: Arc<AtomicBool>,
+    reported: Arc<Mutex<Option<String>>>,
+}
+
+impl Surface {
+    /// Opens a device for a window.
+    ///
+    /// # Errors
+    /// [`AppError::Display`] if no adapter can draw into it.
+    pub fn new(event_loop: &ActiveEventLoop, window: Arc<Window>) -> Result<Surface, AppError> {
+        let refused = |e: &dyn std::fmt::Display| AppError::Display(e.to_string());
+        let display = Box::new(event_loop.owned_display_handle());
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_with_display_handle_from_env(display));
+        let surface = instance.create_surface(Arc::clone(&window)).map_err(|e| refused(&e))?;
+        let adapter = pollster::block_on(wgpu::util::initialize_adapter_from_env_or_default(&instance, Some(&surface)))
+            .map_err(|e| refused(&e))?;
+        let limits = adapter.limits();
+        let descriptor = wgpu::DeviceDescriptor {
+            label: Some("window"),
+            required_limits: wgpu::Limits::downlevel_defaults().using_resolution(limits.clone()),
+            ..Default::default()
+        };
+        let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).map_err(|e| refused(&e))?;
+        let lost: Arc<AtomicBool> = Arc::default();
+        let noticed = Arc::clone(&lost);
+        device.set_device_lost_callback(move |reason, message| {
+            if reason != wgpu::DeviceLostReason::Destroyed {
+                tracing::error!("the window's device was lost: {message}");
+                noticed.store(true, Ordering::Relaxed);
+            }
+        });
+        let reported: Arc<Mutex<Option<String>>> = Arc::default();
+        let kept = Arc::clone(&reported);
+        device.on_uncaptured_error(Arc::new(move |error| {
+            let text = error.to_string();
+            tracing::error!("the window's device reports: {text}");
+            *kept.lock().unwrap_or_else(PoisonError::into_inner) = Some(text);
+        }));
+        let capabilities = surface.get_capabilities(&adapter);
+        // What is drawn is sRGB already, so the surface must not encode it once more.
+        let format = capabilities
+            .formats
+            .iter()
+            .copied()
+            .find(|f| matches!(f, wgpu::TextureFormat::Bgra8Unorm | wgpu::TextureFormat::Rgba8Unorm))
+            .or(capabilities.formats.first().copied())
+            .ok_or_else(|| AppError::Display(format!("'{}' cannot draw into windows", adapter.get_info().name)))?;
+        // Frames are drawn only when something changed, so waiting for the display would only delay them.
+        let present_mode = [wgpu::PresentMode::Mailbox, wgpu::PresentMode::Immediate]
+            .into_iter()
+            .find(|m| capabilities.present_modes.contains(m))
+            .unwrap_or(wgpu::PresentMode::Fifo);
+        let size = window.inner_size();
+        let mut config = surface
+            .get_default_config(&adapter, size.width.max(1), size.height.max(1))
+            .ok_or_else(|| AppError::Display(format!("'{}' cannot draw into windows", adapter.get_info().name)))?;
+        config.format = format;
+        config.present_mode = present_mode;
+        config.desired_maximum_frame_latency = 1;
+        let options = RendererOptions { dithering: false, ..Default::default() };
+        let mut renderer = Renderer::new(&device, format, options);
+        renderer.callback_resources.insert(Screen::new(&device, format));
+        let largest = device.limits().max_texture_dimension_2d;
+        tracing::debug!("window: {}, {format:?}, {present_mode:?}", adapter.get_info().name);
+        let mut new = Surface { window, instance, surface, device, queue, config, largest, renderer, lost, reported };
+        new.configure();
+        Ok(new)
+    }
+
+    /// The largest texture, which bounds egui's.
+    pub fn largest(&self) -> u32 {
+        self.largest
+    }
+
+    /// What the device has complained about since the last call.
+    pub fn complaint(&self) -> Option<String> {
+        self.reported.lock().unwrap_or_else(PoisonError::into_inner).take()
+    }
+
+    /// Takes over the window's size. Nothing is drawn into a window of no size.
+    fn configure(&mut self) -> bool {
+        let size = self.window.inner_size();
+        if size.width == 0 || size.height == 0 {
+            return false;
+        }
+        self.config.width = size.width.min(self.largest);
+        self.config.height = size.height.min(self.largest);
+        self.surface.configure(&self.device, &self.config);
+        true
+    }
+
+    /// Changes egui's textures and draws.
+    pub fn draw(
+        &mut self,
+        shapes: &[egui::ClippedPrimitive],
+        mut textures: egui::TexturesDelta,
+        pixels_per_point: f32,
+        trace: bool,
+    ) -> Drawn {
+        // Taken out, not looked at: what is left when a delta is dropped counts as forgotten.
+        for (id, deltas) in std::mem::take(&mut textures.set) {
+            for delta in &deltas {
+                self.renderer.update_texture(&self.device, &self.queue, id, delta);
+            }
+        }
+        let drawn = self.present(shapes, pixels_per_point, trace);
+        for id in std::mem::take(&mut textures.free) {
+            self.renderer.free_texture(&id);
+        }
+        if self.lost.load(Ordering::Relaxed) { Drawn::Lost } else { drawn }
+    }
+
+    fn present(&mut self, shapes: &[egui::ClippedPrimitive], pixels_per_point: f32, trace: bool) -> Drawn {
+        let size = self.window.inner_size();
+        let clamped = [size.width.min(self.largest), size.height.min(self.largest)];
+        if clamped != [self.config.width, self.config.height] && !self.configure() || clamped.contains(&0) {
+            return Drawn::Skipped;
+        }
+        let (frame, stale) = match self.surface.get_current_texture() {
+            Current::Success(frame) => (frame, false),
+            Current::Suboptimal(frame) => (frame, true),
+            Current::Outdated => {
+                self.configure();
+                return Drawn::Again;
+            }
+            Current::Lost => {
+                match self.instance.create_surface(Arc::clone(&self.window)) {
+                    Ok(surface) => self.surface = surface,
+                    Err(e) => tracing::error!("the window's surface was lost: {e}"),
+                }
+                self.configure();
+                return Drawn::Again;
+            }
+            Current::Timeout => return Drawn::Again,
+            Current::Occluded => return Drawn::Skipped,
+            Current::Validation => return Drawn::Lost,
+        };
+        let view = frame.texture.create_view(&Default::default());
+        let screen = ScreenDescriptor { size_in_pixels: [self.config.width, self.config.height], pixels_per_point };
+        let mut encoder = self.device.create_command_encoder(&Default::default());
+        let extra = self.renderer.update_buffers(&self.device, &self.queue, &mut encoder, shapes, &screen);
+        {
+            let pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some("window"),
+                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                    view: &view,
+                    depth_slice: None,
+                    resolve_target: None,
+                    ops: wgpu::Operations {
+                        load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
+                        store: wgpu::StoreOp::Store,
+                    },
+                })],
+                depth_stencil_attachment: None,
+                timestamp_writes: None,
+                occlusion_query_set: None,
+                multiview_mask: None,
+            });
+            self.renderer.render(&mut pass.forget_lifetime(), shapes, &screen);
+        }
+        self.queue.submit(extra.into_iter().chain([encoder.finish()]));
+        self.window.pre_present_notify();
+        self.queue.present(frame);
+        if trace {
+            // Only then is a time up to here one of a picture that is there.
+            let _ = self.device.poll(wgpu::PollType::wait_indefinitely());
+        }
+        if stale {
+            self.configure();
+        }
+        Drawn::Presented
+    }
+}

@@ -1,0 +1,417 @@
+//! What the window knows, apart from the window: the document, what is on screen, what is said, what the panels ask for.
+//!
+//! Panels read and change this and nothing else, so tests can show them without a display or an adapter. What needs more than
+//! this (a dialog, a thread, the clipboard) is put into [`Workspace::asks`], and the shell does it after the frame.
+
+use std::sync::Arc;
+
+use glam::{DVec2, DVec3};
+
+use super::camera::{self, Frame};
+use super::config::Preferences;
+use super::dialogs::Choice;
+use super::document::{Document, Seen};
+use super::loader::Opened;
+use super::panels::parts::Tree;
+use super::pictures::{Kind, Picked, Picture};
+use super::viewport::Shown;
+use crate::math::Camera;
+use crate::plan::{self, Capabilities, FramePlan, ViewStats};
+use crate::render::FrameReport;
+use crate::scene::{Arrangement, NoticeKind, Scene};
+use crate::session::{Session, camera_in_file, camera_in_scene};
+use crate::settings::Settings;
+
+/// Something for the shell to do.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Ask {
+    /// Choose a file in a dialog.
+    Choose(Choice),
+    /// Do with this path what it was chosen for.
+    Use(Choice, String),
+    /// Open this file.
+    Open(String),
+    /// Stop loading.
+    CancelLoading,
+    /// Put text on the clipboard.
+    Copy(String),
+    /// Write the preferences.
+    Remember,
+    /// Close the window.
+    Quit,
+}
+
+/// How bad a message is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Gravity {
+    /// Something went as it should.
+    Note,
+    /// The picture or the file is not quite what was asked for.
+    Notice,
+    /// Something did not work.
+    Error,
+}
+
+/// Something said to the user.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Message {
+    /// How bad it is.
+    pub gravity: Gravity,
+    /// One sentence or two.
+    pub text: String,
+}
+
+/// What is on screen.
+pub struct OnScreen {
+    /// Its pixels.
+    pub shown: Arc<Shown>,
+    /// Of which order.
+    pub number: u64,
+    /// Exact or not.
+    pub kind: Kind,
+    /// Camera and viewport that it is of.
+    pub view: (Camera, [u32; 2]),
+    /// Settings and arrangement that it is of.
+    pub look: (Settings, Arrangement),
+    /// Its own size.
+    pub size: [u32; 2],
+    /// From order to pixels, milliseconds.
+    pub milliseconds: f64,
+}
+
+/// A model on its way, for show.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LoadingView {
+    /// As asked for.
+    pub file: String,
+    /// What is being done.
+    pub doing: &'static str,
+    /// How much of it is done, if that is known.
+    pub share: Option<f32>,
+}
+
+/// Where the picture is, in physical pixels of the window.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Viewport {
+    /// Left and top.
+    pub origin: [u32; 2],
+    /// Width and height; 0 before the first frame.
+    pub size: [u32; 2],
+}
+
+impl Viewport {
+    /// Whether a pixel of the window is in it.
+    pub fn contains(self, at: DVec2) -> bool {
+        let [x, y] = self.origin.map(f64::from);
+        let [w, h] = self.size.map(f64::from);
+        at.x >= x && at.y >= y && at.x < x + w && at.y < y + h
+    }
+
+    /// The same, as gestures measure it.
+    pub fn frame(self) -> Frame {
+        Frame { size: DVec2::from(self.size.map(f64::from)) }
+    }
+}
+
+/// A path that is asked for in the window.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Prompt {
+    /// What for.
+    pub choice: Choice,
+    /// As typed so far.
+    pub path: String,
+}
+
+/// What the panels keep for themselves.
+#[derive(Clone, Debug, Default)]
+pub struct Layout {
+    /// The list of shortcuts is shown.
+    pub shortcuts: bool,
+    /// A path that is asked for.
+    pub prompt: Option<Prompt>,
+    /// What is searched among the parts.
+    pub search: String,
+    /// The tree of parts, laid out for the scene at hand.
+    pub tree: Option<Tree>,
+    /// A setting's text while it is typed: its path and the text.
+    pub typing: Option<(String, String)>,
+}
+
+/// Everything that the window knows.
+pub struct Workspace {
+    /// The model and what is seen of it.
+    pub document: Option<Document>,
+    /// Another model has another number.
+    pub scene_number: u64,
+    /// What is remembered.
+    pub preferences: Preferences,
+    /// What is said, oldest first.
+    pub messages: Vec<Message>,
+    /// What is being opened.
+    pub loading: Option<LoadingView>,
+    /// What is on screen.
+    pub screen: Option<OnScreen>,
+    /// The report of the last exact picture, and of what it was.
+    pub report: Option<(Seen, FrameReport)>,
+    /// The number of the last order: what is on screen is up to date if it has it.
+    pub order: u64,
+    /// Why there is no exact picture of the last order.
+    pub refusal: Option<String>,
+    /// What the adapter can do, once it has answered.
+    pub capabilities: Option<Capabilities>,
+    /// Its name.
+    pub adapter: Option<String>,
+    /// What would run; `None` without a model or an adapter.
+    pub plan: Option<Result<FramePlan, String>>,
+    planned: Option<(u64, Seen, [u32; 2])>,
+    /// Where the picture is.
+    pub viewport: Viewport,
+    /// What turning turns about; the focal point if `None`.
+    pub pivot: Option<DVec3>,
+    /// What was found under the last click, and which of its layers is chosen.
+    pub picked: Option<(Picked, usize)>,
+    /// What the panels keep.
+    pub layout: Layout,
+    /// What the shell has to do.
+    pub asks: Vec<Ask>,
+}
+
+impl Workspace {
+    /// An empty one.
+    pub fn new(preferences: Preferences) -> Workspace {
+        Workspace {
+            document: None,
+            scene_number: 0,
+            preferences,
+            messages: Vec::new(),
+            loading: None,
+            screen: None,
+            report: None,
+            order: 0,
+            refusal: None,
+            capabilities: None,
+            adapter: None,
+            plan: None,
+            planned: None,
+            viewport: Viewport::default(),
+            pivot: None,
+            picked: None,
+            layout: Layout::default(),
+            asks: Vec::new(),
+        }
+    }
+
+    /// Says something; what is said already is not repeated.
+    pub fn say(&mut self, gravity: Gravity, text: impl Into<String>) {
+        let message = Message { gravity, text: text.into() };
+        if self.messages.last() != Some(&message) {
+            match gravity {
+                Gravity::Error => tracing::error!("{}", message.text),
+                Gravity::Note | Gravity::Notice => tracing::info!("{}", message.text),
+            }
+            self.messages.push(message);
+        }
+        // Old ones give way.
+        if self.messages.len() > 8 {
+            self.messages.remove(0);
+        }
+    }
+
+    /// Shows another model: as its session says, or as first seen, with the settings that are there.
+    pub fn open(&mut self, file: String, opened: Opened) {
+        let Opened { scene, session } = opened;
+        let settings = self.document.take().map_or_else(Settings::default, |d| d.seen.settings);
+        let aspect = self.viewport.frame().aspect();
+        let remembered = file.clone();
+        let (file, seen) = match session {
+            Some(s) => {
+                let camera = camera_in_scene(&s.camera, &scene);
+                (s.file, Seen { settings: s.settings, camera, arrangement: s.arrangement })
+            }
+            None => {
+                let camera = camera::first(&scene.bounds(), aspect);
+                (file, Seen { settings, camera, arrangement: Arrangement::default() })
+            }
+        };
+        self.messages.retain(|m| m.gravity == Gravity::Error);
+        let notices: Vec<String> = scene.notices.iter().map(|n| format!("{}: {}", word(n.kind), n.message)).collect();
+        if !notices.is_empty() {
+            self.say(Gravity::Notice, notices.join("\n"));
+        }
+        self.preferences.remember(&remembered);
+        self.asks.push(Ask::Remember);
+        self.document = Some(Document::new(file, Arc::new(scene), seen));
+        self.scene_number += 1;
+        self.screen = None;
+        self.report = None;
+        self.refusal = None;
+        self.pivot = None;
+        self.picked = None;
+    }
+
+    /// Takes what is under a pixel, and chooses the nearest layer.
+    pub fn take_picked(&mut self, picked: Picked) {
+        if picked.layers.is_empty() {
+            self.picked = None;
+            self.pivot = None;
+            if let Some(document) = &mut self.document {
+                document.settle();
+                document.seen.arrangement.selected.clear();
+                document.settle();
+            }
+            return;
+        }
+        self.picked = Some((picked, 0));
+        self.choose_layer(0, false);
+    }
+
+    /// Chooses the next layer under this pixel if that is where was clicked before, from the same view.
+    pub fn pick_next(&mut self, pixel: [u32; 2], more: bool) -> bool {
+        let camera = self.document.as_ref().map(|d| d.seen.camera);
+        let Some((picked, at)) = &self.picked else {
+            return false;
+        };
+        let near = picked.pixel.iter().zip(pixel).all(|(a, b)| a.abs_diff(b) <= 2);
+        if !near || Some(picked.of) != camera {
+            return false;
+        }
+        let next = (at + 1) % picked.layers.len();
+        self.choose_layer(next, more);
+        true
+    }
+
+    /// Selects the part of a layer under the last click, and turns about the place from then on.
+    pub fn choose_layer(&mut self, layer: usize, more: bool) {
+        let (Some((picked, at)), Some(document)) = (&mut self.picked, &mut self.document) else {
+            return;
+        };
+        let Some(found) = picked.layers.get(layer) else {
+            return;
+        };
+        *at = layer;
+        self.pivot = Some(found.position);
+        document.settle();
+        let selected = &mut document.seen.arrangement.selected;
+        if !more {
+            selected.clear();
+        }
+        selected.insert(found.part);
+        document.settle();
+    }
+
+    /// Everything seen, as a file that `pellucid render --session` draws.
+    ///
+    /// # Errors
+    /// A sentence if it cannot be written down.
+    pub fn session(&self, folder: &std::path::Path) -> Result<String, String> {
+        let document = self.document.as_ref().ok_or("there is no model")?;
+        let seen = &document.seen;
+        let session = Session {
+            file: document.file.clone(),
+            size: self.viewport.size,
+            camera: camera_in_file(&seen.camera, &document.scene),
+            settings: seen.settings.clone(),
+            arrangement: seen.arrangement.clone(),
+        };
+        session.for_folder(folder).and_then(|s| s.to_toml(&document.scene)).map_err(|e| e.to_string())
+    }
+
+    /// Takes a picture onto the screen.
+    pub fn show(&mut self, picture: Picture) {
+        if picture.scene_number != self.scene_number {
+            return;
+        }
+        self.capabilities.get_or_insert_with(|| picture.report.adapter.capabilities.clone());
+        self.adapter.get_or_insert_with(|| picture.report.adapter.name.clone());
+        let background =
+            picture.background.map(|rgb| rgb.map(|v| (crate::math::color::srgb_from_linear(f64::from(v))) as f32));
+        let serial = self.screen.as_ref().map_or(0, |s| s.shown.serial) + 1;
+        let view = (picture.seen.camera, picture.viewport);
+        let look = (picture.seen.settings.clone(), picture.seen.arrangement.clone());
+        if picture.kind == Kind::Exact {
+            self.report = Some((picture.seen, picture.report));
+            self.refusal = None;
+        }
+        self.screen = Some(OnScreen {
+            shown: Arc::new(Shown {
+                // Another model begins another count.
+                serial: serial + (self.scene_number << 32),
+                size: picture.size,
+                rgba: picture.rgba,
+                background,
+            }),
+            number: picture.number,
+            kind: picture.kind,
+            view,
+            look,
+            size: picture.size,
+            milliseconds: picture.milliseconds,
+        });
+    }
+
+    /// Whether what is on screen is the exact picture of what is to be seen.
+    pub fn is_exact(&self) -> bool {
+        self.screen.as_ref().is_some_and(|s| s.kind == Kind::Exact && s.number == self.order)
+    }
+
+    /// Plans anew if what a plan depends on has changed.
+    pub fn replan(&mut self) {
+        let (Some(document), Some(capabilities)) = (&self.document, &self.capabilities) else {
+            self.plan = None;
+            self.planned = None;
+            return;
+        };
+        let view = ViewStats::of(&document.seen.camera);
+        let same = |(number, seen, size): &(u64, Seen, [u32; 2])| {
+            (*number, *size) == (self.scene_number, self.viewport.size) && *seen == document.seen
+        };
+        if self.planned.as_ref().is_some_and(same) || self.viewport.size.contains(&0) {
+            return;
+        }
+        let stats = document.seen.arrangement.stats(&document.scene);
+        let settings = &document.seen.settings;
+        let planned = match settings.opacity.transfer.resolve(None) {
+            Ok(transfer) => plan::plan(settings, &transfer, &stats, &view, capabilities, self.viewport.size)
+                .map_err(|refusal| refusal.to_string()),
+            Err(e) => Err(e.to_string()),
+        };
+        self.plan = Some(planned);
+        self.planned = Some((self.scene_number, document.seen.clone(), self.viewport.size));
+    }
+
+    /// One step back.
+    pub fn undo(&mut self) {
+        if let Some(document) = &mut self.document {
+            document.undo();
+        }
+    }
+
+    /// One step forward.
+    pub fn redo(&mut self) {
+        if let Some(document) = &mut self.document {
+            document.redo();
+        }
+    }
+
+    /// Changes the camera as one step.
+    pub fn look(&mut self, change: impl FnOnce(&camera::Frame, &Scene, &Camera) -> Option<Camera>) {
+        let frame = self.viewport.frame();
+        if let Some(document) = &mut self.document
+            && let Some(camera) = change(&frame, &document.scene, &document.seen.camera)
+        {
+            document.settle();
+            document.seen.camera = camera;
+            document.settle();
+        }
+    }
+}
+
+/// A word for a kind of notice.
+fn word(kind: NoticeKind) -> &'static str {
+    match kind {
+        NoticeKind::Ignored => "ignored",
+        NoticeKind::Approximated => "approximated",
+        NoticeKind::Repaired => "repaired",
+        NoticeKind::Computed => "computed",
+    }
+}
