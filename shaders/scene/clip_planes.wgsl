@@ -3,8 +3,8 @@
 // decided here and where features expect a surface agree.
 //
 // A rasterizer moves surfaces by up to 1/256 pixel. One that lies in the plane has to go as a whole, because the cap takes
-// its place, so what is parallel to the plane is cut a little before it; anything else a little behind, so that no gap shows
-// between a wall and the border of its cap.
+// its place, so what is parallel to the plane is cut a little before it; anything else exactly there, so that neither a gap
+// nor the wall itself shows at the border of its cap.
 
 // Needs every invocation of the quad.
 fn is_clipped(position: vec4<f32>, part: u32) -> bool {
@@ -16,7 +16,7 @@ fn is_clipped(position: vec4<f32>, part: u32) -> bool {
     for (var i = 0u; i < sections.count; i++) {
         let height = height_over(i, point);
         let is_parallel = fwidth(height) < 2.0 * margin;
-        clipped = clipped || (height > select(margin, -margin, is_parallel) && section_cuts(i, part));
+        clipped = clipped || (height > select(0.0, -margin, is_parallel) && section_cuts(i, part));
     }
     return clipped;
 }

@@ -2,7 +2,7 @@
 //!
 //! A plane cuts what lies on the side of its normal. It does not cut its own caps. Surfaces parallel to it (whose height over
 //! it changes by less than 1/32 pixel from pixel to pixel) are cut from 1/64 pixel before it, so that a face in the plane
-//! goes as a whole; all others from 1/64 pixel behind it, so that no gap shows before a cap. A layer's neighbour is unknown where its
+//! goes as a whole; all others exactly. A layer's neighbour is unknown where its
 //! tangent plane, half a step beyond the adjacent pixel, lies on the side that is cut away; the plane is given at most the
 //! slope of 1 : 20.
 //!
@@ -91,7 +91,7 @@ impl ViewCut {
                 .into_iter()
                 .map(|direction| (plane.height(self.on_plane(point, normal, direction)) - height).abs())
                 .sum();
-            let over = height - if change < 2.0 * margin { -margin } else { margin };
+            let over = height + if change < 2.0 * margin { margin } else { 0.0 };
             cut |= over > 0.0;
             let either = (margin..4.0 * margin).contains(&change) && height.abs() <= margin + by;
             uncertain |= over.abs() <= by || either;
