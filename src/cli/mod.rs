@@ -15,6 +15,7 @@ mod looks;
 mod options;
 mod output;
 mod render;
+mod section;
 mod tradeoff;
 mod transfer;
 mod view;
@@ -227,6 +228,9 @@ fn render(args: &RenderArgs) -> Result<(), Failure> {
     let scale = chosen.as_ref().map_or(1.0, |c| c.scale);
     let drawn_size = size.map(|s| ((f64::from(s) * scale).round() as u32).max(1));
     let mut session = Session::open_arranged(&scene, &seen.arrangement)?;
+    for notice in &session.notices {
+        progress.say(&format!("{file}: {notice}"));
+    }
     let timing = if args.stats.is_some() { session.time_passes() } else { "not measured" };
     let mut images = Vec::new();
     let mut pictures = Vec::new();

@@ -13,6 +13,7 @@ mod hard_cases;
 mod meshes;
 mod pictures;
 mod raster;
+mod sections;
 mod stages;
 mod tradeoff;
 mod traps;
