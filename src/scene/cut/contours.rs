@@ -120,7 +120,7 @@ impl Solid {
 
 /// For every point the first that lies within `distance` of it, itself perhaps.
 fn merged(points: &[DVec3], distance: f64) -> Vec<u32> {
-    if !(distance > 0.0) {
+    if distance.is_nan() || distance <= 0.0 {
         return (0..points.len() as u32).collect();
     }
     // A ball of that radius touches at most two cells along each axis.
