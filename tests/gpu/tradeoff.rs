@@ -129,7 +129,7 @@ fn one_configuration_against_itself_has_exactly_no_error() {
     let scene = meshes::assembly(3);
     let camera = camera(&scene, false);
     let Some(mut bench) = bench(&scene, &camera) else { return };
-    let base = with_transfer(settings(""), lively());
+    let base = with_transfer(settings("normals=full"), lively());
     let swept = sweep(&mut bench, &base, &["neighbours", "capture", "slot-search"], &errors_alone());
     for name in [AS_ASKED, "neighbours=brute_force"] {
         let m = measured(&swept, name);

@@ -4,6 +4,7 @@ pub mod menu;
 pub mod messages;
 pub mod parts;
 pub mod plan;
+pub mod sections;
 pub mod shortcuts;
 pub mod stages;
 pub mod status;
@@ -24,6 +25,7 @@ pub fn show(ui: &mut Ui, workspace: &mut Workspace) {
         Panel::right("stages").default_size(316.0).size_range(240.0..=520.0).show(ui, |ui| {
             egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
                 stages::show(ui, workspace);
+                sections::show(ui, workspace);
                 plan::show(ui, workspace);
             });
         });

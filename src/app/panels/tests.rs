@@ -173,3 +173,30 @@ fn messages_can_be_dismissed_and_without_a_model_there_is_a_way_on() {
     harness.run();
     harness.get_by_label("Undo, redo");
 }
+
+#[test]
+fn section_planes_are_added_moved_and_removed() {
+    let mut harness = harness(workspace("quads"));
+    harness.get_by_label("Sections").click();
+    harness.run();
+    harness.get_by_label("Add a section across x").click();
+    harness.run();
+    harness.get_by_label("Add a section across the view").click();
+    harness.run();
+    let sections = |h: &Harness<'_, Workspace>| h.state().document.as_ref().unwrap().seen.arrangement.sections.clone();
+    let added = sections(&harness);
+    assert_eq!(added.len(), 2);
+    assert_eq!(added[0].normal, glam::DVec3::X);
+    let camera = harness.state().document.as_ref().unwrap().seen.camera;
+    assert!(added[1].normal.dot(camera.direction()) < -0.99, "towards the viewer");
+    harness.get_by_label("Position of section 1").focus();
+    harness.key_press(egui::Key::ArrowRight);
+    harness.run();
+    assert!(sections(&harness)[0].offset > added[0].offset);
+    harness.get_by_label("Section 1").click();
+    harness.run();
+    assert!(!sections(&harness)[0].enabled);
+    harness.get_all_by_label("Remove").next().unwrap().click();
+    harness.run();
+    assert_eq!(sections(&harness), [added[1]]);
+}

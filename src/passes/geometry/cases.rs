@@ -93,7 +93,7 @@ pub const CASES: &[HardCase] = &[
         camera: CaseCamera::FRONT,
         size: [0, 0],
         ours: EXACT,
-        contrast: None,
+        contrast: Some(Planted(Method::of("one pixel", ""))),
         measure: Measure::NotRefused,
         bound: 0.0,
     },

