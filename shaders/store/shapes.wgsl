@@ -10,5 +10,5 @@ struct Shape {
 
 fn layer_shape(slot: u32) -> Shape {
     let words = shapes[slot];
-    return Shape(view_depth_of_word(words.x), unpack_normal(words.y));
+    return Shape(view_depth_of_word(words.x), unpack_normal(normal_words(words)));
 }

@@ -6,7 +6,7 @@
 @group(1) @binding(5) var<storage, read_write> materials: array<vec2<u32>>;
 
 fn store_surface(slot: u32, depth_word: u32, s: Captured) {
-    shapes[slot] = vec2<u32>(depth_word, pack_normal(s.normal));
+    shapes[slot] = shape_words(depth_word, pack_normal(s.normal));
     store_color(slot, s.color);
     materials[slot] = vec2<u32>(
         pack_material(MaterialWord(s.metallic, s.roughness, s.occlusion, s.unlit, s.back_side)),

@@ -1,5 +1,7 @@
 //! `pellucid bench`: what things cost, as ratios measured in one run, interleaved, medians.
 
+use std::time::Duration;
+
 use clap::{Args, Subcommand};
 use serde::Serialize;
 
@@ -8,11 +10,15 @@ use super::failure::{Exit, Failure};
 use super::options::size;
 use super::output::Progress;
 use super::render::Session;
-use crate::gpu::PassTime;
+use crate::export::image::parse_background;
+use crate::gpu::{Gpu, GpuOptions, PassTime};
 use crate::math::Camera;
 use crate::plan::Pass;
 use crate::scene::Scene;
 use crate::settings::Settings;
+use crate::tradeoff::budget::{self, Afresh, Choice, Goal, Measurements, Options};
+use crate::tradeoff::statistics::Estimate;
+use crate::tradeoff::workbench::RendererBench;
 
 /// What is measured.
 #[derive(Subcommand, Clone, Debug)]
@@ -21,6 +27,28 @@ pub enum BenchCommand {
     Buckets(BucketsArgs),
     /// A whole frame of a model: unsorted blend, both captures, plain and stylized
     Frame(Box<FrameArgs>),
+    /// Whether settings chosen by --budget and --max-error keep their promise when measured afresh
+    Budgets(BudgetsArgs),
+}
+
+/// Options of `bench budgets`.
+#[derive(Args, Clone, Debug)]
+pub struct BudgetsArgs {
+    /// Models, or builtin:NAME
+    #[arg(default_values_t = ["builtin:gearbox", "builtin:engine", "builtin:quads"].map(str::to_owned))]
+    pub files: Vec<String>,
+    /// Picture size in pixels
+    #[arg(long, value_name = "WxH", value_parser = size, default_value = "256x256")]
+    pub size: [u32; 2],
+    /// Mean FLIP to stay below
+    #[arg(long, value_name = "FLIP", default_value_t = 0.02)]
+    pub max_error: f64,
+    /// Time to stay within, over that of what the default settings take
+    #[arg(long, value_name = "FACTOR", default_value_t = 0.6)]
+    pub factor: f64,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Options of `bench buckets`.
@@ -70,6 +98,7 @@ pub fn run(command: &BenchCommand, progress: &Progress) -> Result<(), Failure> {
     match command {
         BenchCommand::Buckets(args) => buckets(args, progress),
         BenchCommand::Frame(args) => frame(args, progress),
+        BenchCommand::Budgets(args) => budgets(args, progress),
     }
 }
 
@@ -209,6 +238,62 @@ fn frame(args: &FrameArgs, progress: &Progress) -> Result<(), Failure> {
     }
     let over = |a: usize, b: usize| rows[a].milliseconds / rows[b].milliseconds;
     text += &format!("k-buffer: stylized over plain {:.2}; compacted: {:.2}\n", over(4, 3), over(2, 1));
+    print_rows(&rows, &text, args.json)
+}
+
+/// One promise.
+#[derive(Serialize)]
+struct BudgetRow {
+    file: String,
+    promise: String,
+    choice: Choice,
+    afresh: Afresh,
+}
+
+/// Chooses by time and by error, and measures what was chosen again on a device of its own.
+fn budgets(args: &BudgetsArgs, progress: &Progress) -> Result<(), Failure> {
+    let settings = Settings::default();
+    let background = parse_background(&settings.image.background).map_err(|e| Failure::new(Exit::Usage, e))?;
+    let options = Options { size: args.size, background, limit: Duration::from_secs(600) };
+    let mut rows = Vec::new();
+    for file in &args.files {
+        let scene = super::load::scene(file, progress)?;
+        let camera = CameraArgs::default().camera(&scene, f64::from(args.size[0]) / f64::from(args.size[1]))?;
+        let bench = || -> Result<RendererBench, Failure> {
+            let gpu = Gpu::new(&GpuOptions::default()).map_err(|e| Failure::of(Exit::NoAdapter, &e))?;
+            RendererBench::new(&gpu, &scene, &camera).map_err(super::render::failed)
+        };
+        let mut measurements = Measurements::default();
+        let mut chosen = |goal| {
+            let mut say = |name: &str| progress.stage(&format!("{file}: {name}"));
+            budget::choose(&mut bench()?, &settings, goal, &options, &mut measurements, &mut say)
+                .map_err(super::budget::failed)
+        };
+        // What the default settings take is the first thing that a choice measures.
+        let plain = chosen(Goal::Error(1.0))?.asked;
+        for goal in [Goal::Time(args.factor * plain), Goal::Error(args.max_error)] {
+            let choice = chosen(goal)?;
+            progress.stage(&format!("{file}: afresh"));
+            let afresh = budget::afresh(&mut bench()?, &settings, &choice, &options).map_err(super::budget::failed)?;
+            rows.push(BudgetRow { file: file.clone(), promise: super::budget::promise(goal), choice, afresh });
+        }
+    }
+    let mut text = format!(
+        "{}x{}, medians and 95 % intervals of 7 frames; afresh: chosen settings on a new device\n",
+        args.size[0], args.size[1]
+    );
+    for BudgetRow { file, promise, choice, afresh } in &rows {
+        let time = |t: &Estimate| format!("{:.1} ms ({:.1} to {:.1})", t.median, t.low, t.high);
+        text += &format!(
+            "{file}, {promise}: '{}'{}\n    then   {:<32} FLIP {:.4}\n    afresh {:<32} FLIP {:.4}\n",
+            choice.name,
+            if choice.kept { "" } else { ", which does not keep it" },
+            time(&choice.time),
+            choice.flip,
+            time(&afresh.time),
+            afresh.flip
+        );
+    }
     print_rows(&rows, &text, args.json)
 }
 

@@ -7,9 +7,10 @@ use clap::Args;
 use clap::builder::PossibleValuesParser;
 
 use super::failure::{Exit, Failure};
+use super::transfer::{failure, say};
 use crate::export::image::parse_background;
 use crate::settings::{CaptureKind, OpacityModel, Settings};
-use crate::transfer::{self, TransferError, TransferSource, place_of};
+use crate::transfer::{self, TransferSource, place_of};
 
 /// Largest settings file that is read, bytes.
 const LARGEST_SETTINGS: u64 = 1 << 20;
@@ -65,7 +66,7 @@ pub struct LookArgs {
     /// Opacity model
     #[arg(long, value_name = "MODEL", value_parser = PossibleValuesParser::new(OpacityModel::NAMES))]
     pub opacity: Option<String>,
-    /// Transfer functions: a name from `pellucid presets`, or a TOML file
+    /// Transfer functions: a name from `pellucid presets`, or a file that `pellucid transfer` reads
     #[arg(long, value_name = "NAME|FILE")]
     pub transfer: Option<String>,
     /// Frames averaged, each shifted by a fraction of a pixel
@@ -165,16 +166,16 @@ fn apply_preset(settings: &mut Settings, name: &str) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Refuses a broken transfer function before any work is done, where it is used.
+/// Refuses a broken transfer function before any work is done, where it is used, and says what reading it changed.
 fn check_transfer(settings: &Settings) -> Result<(), Failure> {
     if settings.opacity.model != OpacityModel::Curvature {
         return Ok(());
     }
-    match settings.opacity.transfer.resolve(None) {
-        Ok(_) => Ok(()),
-        Err(e @ TransferError::Unknown { .. }) => Err(Failure::of(Exit::Usage, &e)),
-        Err(e) => Err(Failure::of(Exit::Input, &e)),
+    let imported = settings.opacity.transfer.import(None, None).map_err(|e| failure(&e))?;
+    if let TransferSource::Named(file) = &settings.opacity.transfer {
+        say(file, &imported.notices);
     }
+    Ok(())
 }
 
 fn assignment(text: &str) -> Result<(String, String), String> {

@@ -5,6 +5,7 @@
 //! whole or not at all. A failure is one line, `pellucid: FILE: place: cause`, and an exit code ([`Exit`]).
 
 mod bench;
+mod budget;
 mod camera;
 mod failure;
 mod hard_cases;
@@ -15,7 +16,11 @@ mod options;
 mod output;
 mod render;
 mod tradeoff;
+<<<<<<< HEAD
 mod view;
+=======
+mod transfer;
+>>>>>>> main
 
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
@@ -31,7 +36,9 @@ use crate::render::FrameReport;
 use crate::scene::builtin;
 use crate::session::camera_in_scene;
 use crate::settings::{OpacityModel, Settings};
-use crate::transfer::{self, OpacityFunction, TransferSource};
+use crate::tradeoff::budget::{Choice, Goal};
+use crate::tradeoff::image_error::resized;
+use crate::transfer::{OpacityFunction, TransferSource, presets as transfer_presets};
 pub use failure::{Exit, Failure};
 use options::{Cli, Command, PlanArgs, RenderArgs};
 use output::Progress;
@@ -108,6 +115,7 @@ fn run(command: Command) -> Result<(), Failure> {
         Command::Adapters { json } => render::adapters(json),
         Command::Settings { toml } => output::print(settings(toml)?.as_bytes()),
         Command::Presets => output::print(presets().as_bytes()),
+        Command::Transfer(args) => transfer::run(&args),
         Command::Scenes => output::print(scenes().as_bytes()),
         Command::Assets { folder } => load::write_assets(&folder),
         Command::HardCases(args) => hard_cases::run(&args),
@@ -159,6 +167,9 @@ struct Stats {
     /// How the passes were timed.
     timing: &'static str,
     pictures: Vec<Picture>,
+    /// What `--budget` or `--max-error` chose.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    choice: Option<Choice>,
     #[serde(skip_serializing_if = "Option::is_none")]
     difference: Option<Difference>,
 }
@@ -183,9 +194,15 @@ fn render(args: &RenderArgs) -> Result<(), Failure> {
             format!("--output {}: pictures are written as PNG, so the name must end in .png", output.display());
         return Err(Failure::new(Exit::Usage, message));
     }
+<<<<<<< HEAD
     let asked = args.view.asked()?;
     let background = parse_background(&asked.settings.image.background).map_err(|e| Failure::new(Exit::Usage, e))?;
     let takes = takes(asked.settings.clone(), args.compare)?;
+=======
+    let settings = look.settings()?;
+    let background = parse_background(&settings.image.background).map_err(|e| Failure::new(Exit::Usage, e))?;
+    let mut takes = takes(settings, args.compare)?;
+>>>>>>> main
     let reference = args.reference.as_deref().map(read_reference).transpose()?;
 
     let progress = Progress::new();
@@ -198,16 +215,32 @@ fn render(args: &RenderArgs) -> Result<(), Failure> {
     }
     let (file, size, camera) = (&seen.file, &seen.size, camera_in_scene(&seen.camera, &scene));
     progress.stage("starting the adapter");
+<<<<<<< HEAD
     let mut session = Session::open_arranged(&scene, &seen.arrangement)?;
+=======
+    let chosen = match args.budget.goal() {
+        Some(goal) => {
+            let picture = (*size, background);
+            let chosen = budget::chosen(&args.budget, goal, &scene, &camera, &takes[0].settings, picture, &progress)?;
+            progress.say(&format!("{file}: {}", chosen.sentence));
+            takes[0].settings = chosen.choice.settings.clone();
+            Some(chosen.choice)
+        }
+        None => None,
+    };
+    let scale = chosen.as_ref().map_or(1.0, |c| c.scale);
+    let drawn_size = size.map(|s| ((f64::from(s) * scale).round() as u32).max(1));
+    let mut session = Session::open(&scene)?;
+>>>>>>> main
     let timing = if args.stats.is_some() { session.time_passes() } else { "not measured" };
     let mut images = Vec::new();
     let mut pictures = Vec::new();
     for Take { name, settings } in &takes {
         progress.stage(&format!("rendering {name}"));
-        let frame = session.render(&camera, settings, *size)?;
+        let frame = session.render(&camera, settings, drawn_size)?;
         let subject = if args.compare { format!("{file}: {name}") } else { file.clone() };
-        progress.say(&summary(&subject, *size, &frame.report));
-        images.push(frame.image);
+        progress.say(&summary(&subject, drawn_size, &frame.report));
+        images.push(resized(&frame.image, *size));
         pictures.push(Picture { name, report: frame.report });
     }
     let image =
@@ -218,7 +251,7 @@ fn render(args: &RenderArgs) -> Result<(), Failure> {
     if let Some(output) = &args.output {
         output::write(output, &png)?;
     }
-    let mut stats = Stats { file: file.clone(), size: *size, timing, pictures, difference: None };
+    let mut stats = Stats { file: file.clone(), size: *size, timing, pictures, choice: chosen, difference: None };
     let verdict = match (&args.reference, reference) {
         (Some(path), Some(reference)) => {
             let (difference, verdict) = judge(path, &png, &reference, args.threshold)?;
@@ -230,7 +263,13 @@ fn render(args: &RenderArgs) -> Result<(), Failure> {
     if let Some(target) = &args.stats {
         output::write(target, output::json(&stats)?.as_bytes())?;
     }
-    verdict
+    match (args.budget.goal(), &stats.choice) {
+        // Times are never judged: a machine may be busy. An error is what it is.
+        (Some(Goal::Error(limit)), Some(choice)) if !choice.kept && verdict.is_ok() => {
+            Err(Failure::new(Exit::Differ, format!("{file}: no configuration was found below FLIP {limit}")))
+        }
+        _ => verdict,
+    }
 }
 
 fn read_reference(path: &Path) -> Result<LinearImage, Failure> {
@@ -281,7 +320,7 @@ fn settings(as_toml: bool) -> Result<String, Failure> {
 
 fn presets() -> String {
     let looks = looks::LOOKS.iter().map(|l| (l.name, l.description));
-    let functions = transfer::presets().into_iter().map(|p| (p.name, p.description));
+    let functions = transfer_presets().into_iter().map(|p| (p.name, p.description));
     looks.chain(functions).map(|(name, what)| format!("{name:14} {what}\n")).collect()
 }
 

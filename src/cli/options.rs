@@ -6,11 +6,16 @@ use clap::{Args, Parser, Subcommand};
 
 use super::ENVIRONMENT;
 use super::bench::BenchCommand;
+use super::budget::BudgetArgs;
 use super::camera::CameraArgs;
 use super::hard_cases::HardCasesArgs;
 use super::looks::LookArgs;
 use super::tradeoff::TradeoffArgs;
+<<<<<<< HEAD
 use super::view::PartArgs;
+=======
+use super::transfer::TransferArgs;
+>>>>>>> main
 
 /// Shows the inside of 3D models without losing their shape.
 #[derive(Parser, Clone, Debug)]
@@ -57,6 +62,8 @@ pub enum Command {
     },
     /// List the looks for --preset and --transfer
     Presets,
+    /// Describe a transfer function, or write it in another format
+    Transfer(TransferArgs),
     /// List the built-in scenes
     Scenes,
     /// Write the built-in scenes as GLB files
@@ -129,6 +136,9 @@ pub struct RenderArgs {
     /// Largest mean difference, in sRGB values from 0 to 1
     #[arg(help_heading = "Output", long, value_name = "T", value_parser = threshold, default_value = "0.002", requires = "reference")]
     pub threshold: f64,
+    /// Settings chosen by a promise.
+    #[command(flatten)]
+    pub budget: BudgetArgs,
 }
 
 /// Options of `plan`.
@@ -246,6 +256,8 @@ mod tests {
             "bench frame a.glb --k 16",
             "tradeoff a.glb -o d --axes k,key --limit-seconds 5 --k 8 --camera front",
             "tradeoff a.glb --check limits.toml",
+            "transfer pellucid",
+            "transfer maps.json --name Hot -o hot.toml",
         ] {
             parse(line).unwrap_or_else(|e| panic!("{line}: {e}"));
         }

@@ -64,9 +64,8 @@ impl Session {
     /// Times passes as well as this adapter allows, and says how. A software rasterizer's timestamps are wrong for compute
     /// passes, so each pass is run alone there.
     pub fn time_passes(&mut self) -> &'static str {
-        let software = self.renderer.gpu().facts().device_type == "Cpu";
-        self.time_serially(software);
-        if software { "each pass run alone, wall time" } else { "GPU timestamps" }
+        self.renderer.timing = self.renderer.gpu().facts().pass_timing();
+        self.renderer.timing.name()
     }
 
     /// Plans a picture without rendering it.

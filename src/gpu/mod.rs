@@ -111,8 +111,19 @@ pub struct AdapterFacts {
     pub unusable: Option<String>,
 }
 
+impl AdapterFacts {
+    /// How passes are timed here. Timestamps are wrong for compute passes on software rasterizers, and not every adapter has
+    /// them: there each pass is run alone and timed by the wall clock.
+    pub fn pass_timing(&self) -> Timing {
+        let timestamps = self.features.iter().any(|f| f == TIMESTAMPS);
+        if timestamps && self.device_type != "Cpu" { Timing::Timestamps } else { Timing::Serial }
+    }
+}
+
+const TIMESTAMPS: &str = "timestamp queries";
+
 const WANTED: &[(&str, wgpu::Features)] = &[
-    ("timestamp queries", wgpu::Features::TIMESTAMP_QUERY),
+    (TIMESTAMPS, wgpu::Features::TIMESTAMP_QUERY),
     ("64-bit integers", wgpu::Features::SHADER_INT64),
     ("64-bit atomics", wgpu::Features::SHADER_INT64_ATOMIC_ALL_OPS),
 ];

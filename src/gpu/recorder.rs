@@ -32,6 +32,16 @@ pub enum Timing {
     Serial,
 }
 
+impl Timing {
+    /// In a few words.
+    pub fn name(self) -> &'static str {
+        match self {
+            Timing::Timestamps => "GPU timestamps",
+            Timing::Serial => "each pass run alone, wall time",
+        }
+    }
+}
+
 /// Most timed pieces in one submission; later ones run untimed.
 const MOST_PIECES: u32 = 2048;
 

@@ -113,6 +113,7 @@ pub fn encoding_error(encoding: NormalEncoding) -> f64 {
     match encoding {
         NormalEncoding::Octahedral => 0.0001,
         NormalEncoding::Xy15 => 0.0095,
+        NormalEncoding::Full => 0.0,
     }
 }
 

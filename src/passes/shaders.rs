@@ -74,7 +74,7 @@ fn shaders_of(plan: &FramePlan, pass: Pass) -> Vec<Used> {
         Pass::PrefixSum => vec![(compacted::prefix_sum_spec(), &compacted::PREFIX_SUM_ENTRIES)],
         Pass::Append => drawn(Vertices::Surface, &|v| compacted::append_spec(plan, v)),
         Pass::Sort => sorted(plan, compacted::SORTED, true),
-        Pass::Gather => one(compacted::gather_spec()),
+        Pass::Gather => one(compacted::gather_spec(plan)),
         Pass::PartLookup => one(buckets::part_lookup_spec(plan)),
         Pass::ZReordering => sorted(plan, buckets::SORTED, plan.capture != Capture::Compacted),
         Pass::BucketCreation => one(buckets::bucket_creation_spec(plan)),

@@ -8,13 +8,13 @@ use crate::gpu::ShaderSpec;
 use crate::plan::{Capture, FramePlan};
 use crate::settings::{Axis, DepthQuantization, Effect, Knob, NormalEncoding};
 
-/// What the packing of normals loses (T9). An encoding that is more precise joins here, as the exact one.
+/// What the packing of normals loses (T9).
 pub const AXES: &[Axis] = &[Axis {
     name: "normals",
     knob: Knob::Setting("capture.normals"),
-    values: &["octahedral", "xy15"],
+    values: &["octahedral", "xy15", "full"],
     matters_if: &[],
-    effect: Effect::Accuracy { exact: "octahedral" },
+    effect: Effect::Accuracy { exact: "full" },
 }];
 
 /// Shader modules of a plan's store.
@@ -30,9 +30,25 @@ impl StoreModules {
         StoreModules { capture: plan.capture, normals: plan.normals }
     }
 
+    /// Adds the types of the shape column's words.
+    fn shape_words(&self, spec: ShaderSpec) -> ShaderSpec {
+        spec.with(match self.normals {
+            NormalEncoding::Octahedral | NormalEncoding::Xy15 => "store/shape_words_two",
+            NormalEncoding::Full => "store/shape_words_four",
+        })
+    }
+
+    /// Adds the way in which a normal is written beside a depth that is there already.
+    pub fn normals_alone(&self, spec: ShaderSpec) -> ShaderSpec {
+        self.shape_words(spec).with(match self.normals {
+            NormalEncoding::Octahedral | NormalEncoding::Xy15 => "store/place_normal_two",
+            NormalEncoding::Full => "store/place_normal_four",
+        })
+    }
+
     /// Adds access to the layers of a pixel.
     pub fn layout(&self, spec: ShaderSpec) -> ShaderSpec {
-        spec.with(match self.capture {
+        self.shape_words(spec).with(match self.capture {
             Capture::BucketedKBuffer { .. } => "store/layout_rows",
             Capture::Compacted | Capture::None => "store/layout_compacted",
         })
@@ -50,9 +66,10 @@ impl StoreModules {
 
     /// Adds the packing of normals.
     pub fn normals(&self, spec: ShaderSpec) -> ShaderSpec {
-        spec.with(match self.normals {
+        self.shape_words(spec).with(match self.normals {
             NormalEncoding::Octahedral => "store/normal_octahedral",
             NormalEncoding::Xy15 => "store/normal_xy15",
+            NormalEncoding::Full => "store/normal_full",
         })
     }
 

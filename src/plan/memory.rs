@@ -3,7 +3,12 @@
 use serde::Serialize;
 
 use super::{Capabilities, Capture, FramePlan, Pass, Refusal, ViewStats};
+<<<<<<< HEAD
 use crate::settings::KeyFormat;
+=======
+use crate::scene::SceneStats;
+use crate::settings::{KeyFormat, NormalEncoding};
+>>>>>>> main
 
 /// A buffer that the frame needs.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -34,6 +39,11 @@ impl FramePlan {
     pub fn columns(&self) -> Vec<(&'static str, u64)> {
         columns(self)
     }
+
+    /// Bytes of the largest element of any column: what limits the fragments of a band.
+    pub fn widest_column(&self) -> u64 {
+        columns(self).into_iter().map(|(_, bytes)| bytes).fold(8, u64::max)
+    }
 }
 
 /// Bytes of a column's element, by name, for the columns that a plan can have.
@@ -43,9 +53,10 @@ fn columns(plan: &FramePlan) -> Vec<(&'static str, u64)> {
         Capture::Compacted => (true, true),
         Capture::BucketedKBuffer { key, .. } => (key == KeyFormat::Wide64, false),
     };
+    let shape = shape_bytes(plan.normals);
     let mut all = vec![
         ("keys", if wide { 8 } else { 4 }),
-        ("shapes", 8),
+        ("shapes", shape),
         ("colors", if wide { 8 } else { 4 }),
         ("materials", 8),
         ("lit", 8),
@@ -54,7 +65,7 @@ fn columns(plan: &FramePlan) -> Vec<(&'static str, u64)> {
         all.extend([
             ("arrival_keys", 8),
             ("arrival_colors", 8),
-            ("arrival_surfaces", 8),
+            ("arrival_surfaces", shape),
             ("arrival_emissive", 4),
             ("sources", 4),
         ]);
@@ -77,8 +88,13 @@ fn columns(plan: &FramePlan) -> Vec<(&'static str, u64)> {
     all
 }
 
-/// Largest element of any column, bytes: what limits the fragments of a band.
-pub(super) const WIDEST_COLUMN: u64 = 8;
+/// Bytes of depth and normal of a layer.
+fn shape_bytes(normals: NormalEncoding) -> u64 {
+    match normals {
+        NormalEncoding::Octahedral | NormalEncoding::Xy15 => 8,
+        NormalEncoding::Full => 16,
+    }
+}
 
 /// Layers a pixel that an estimate assumes when nothing is known: what the measured assemblies have over covered pixels.
 const LAYERS_EXPECTED: u64 = 9;
@@ -92,6 +108,7 @@ pub(super) fn fill(
 ) -> Result<(), Refusal> {
     let [width, height] = plan.size;
     let limit = capabilities.largest_buffer();
+    let widest = plan.widest_column();
     let pixels = u64::from(width) * u64::from(height);
     // Rows are read back with a length that is a multiple of 256 bytes.
     let row_bytes = (16 * u64::from(width)).next_multiple_of(256);
@@ -122,7 +139,7 @@ pub(super) fn fill(
         }
         Capture::BucketedKBuffer { k, tail, .. } => {
             // The tally has 8 bytes a pixel and the tail 24, which for small k is more than a column.
-            let row = |k: u32| u64::from(width) * (u64::from(k) * WIDEST_COLUMN).max(if tail { 24 } else { 8 });
+            let row = |k: u32| u64::from(width) * (u64::from(k) * widest).max(if tail { 24 } else { 8 });
             let rows = limit / row(k);
             if rows < needed {
                 let fits = (1..k).rev().find(|&k| limit / row(k) >= needed);
@@ -148,9 +165,16 @@ pub(super) fn fill(
         }
         Capture::Compacted => {
             let fragments = view.fragments.unwrap_or(LAYERS_EXPECTED * pixels);
+<<<<<<< HEAD
             let count = (fragments * WIDEST_COLUMN).div_ceil(limit).max(1);
             plan.bands = bands(height, (u64::from(height) / count).max(1) + 2 * u64::from(plan.apron), plan.apron);
             let in_band = fragments.min(limit / WIDEST_COLUMN);
+=======
+            let bands = (fragments * widest).div_ceil(limit).max(1);
+            plan.bands =
+                equal_bands(height, (u64::from(height) / bands).max(1) + 2 * u64::from(plan.apron), plan.apron);
+            let in_band = fragments.min(limit / widest);
+>>>>>>> main
             let exact = false;
             // The pixel table has an entry more than there are pixels.
             let most_rows = (limit / 4).saturating_sub(1) / u64::from(width);

@@ -515,7 +515,7 @@ proptest! {
             prop_assert!(plan.most_rows >= (2 * plan.apron + 1).min(height));
         }
         for (column, bytes) in plan.columns() {
-            prop_assert!(names(&plan).contains(&column) && (4..=8).contains(&bytes));
+            prop_assert!(names(&plan).contains(&column) && (4..=16).contains(&bytes));
         }
     }
 }

@@ -229,7 +229,7 @@ fn draw_compacted(
     if deepest > most {
         return Err(RenderError::PixelTooDeep { layers: deepest, limit: most });
     }
-    let limit = renderer.gpu.capabilities().largest_buffer() / 8;
+    let limit = renderer.gpu.capabilities().largest_buffer() / plan.widest_column();
     let bands = plan::bands_of_rows(&rows, plan.apron, limit, plan.most_rows)
         .map_err(|(row, fragments)| RenderError::RowTooDeep { row, fragments, limit })?;
     let single = bands.len() == 1;

@@ -20,7 +20,7 @@ pub struct StoreReadback {
     /// The captured layers, decoded.
     pub layers: StoreData,
     /// The captured columns as they lie in memory, gaps left out: key, normal, colour, material. For exact comparison.
-    pub words: Vec<[u32; 7]>,
+    pub words: Vec<[u32; 9]>,
     /// Neighbours in the four directions; empty if none were searched.
     pub links: Vec<[Link; 4]>,
     /// κ; empty if it was not computed.
@@ -185,10 +185,15 @@ impl Renderer {
                 store.triangle.push(triangle);
                 store.part.push(parts.get(i).copied().unwrap_or(part));
                 store.depth.push(depth);
+                let normal = match plan.normals {
+                    NormalEncoding::Octahedral | NormalEncoding::Xy15 => [shapes[2 * i + 1], 0, 0],
+                    NormalEncoding::Full => [shapes[4 * i + 1], shapes[4 * i + 2], shapes[4 * i + 3]],
+                };
                 store.normal.push(
                     match plan.normals {
-                        NormalEncoding::Octahedral => unpack_octahedral(shapes[2 * i + 1]),
-                        NormalEncoding::Xy15 => unpack_xy15(shapes[2 * i + 1]),
+                        NormalEncoding::Octahedral => unpack_octahedral(normal[0]),
+                        NormalEncoding::Xy15 => unpack_xy15(normal[0]),
+                        NormalEncoding::Full => Vec3::from(normal.map(f32::from_bits)),
                     }
                     .to_array(),
                 );
@@ -211,7 +216,9 @@ impl Renderer {
                 out.words.push([
                     depth_key,
                     triangle,
-                    shapes[2 * i + 1],
+                    normal[0],
+                    normal[1],
+                    normal[2],
                     color_words[0],
                     color_words[1],
                     word,

@@ -176,6 +176,10 @@ pub enum Measure {
     SphereCurvature(f64),
     /// Spread (90th less 10th percentile) of κ₁ + κ₂ over a cylinder of radius 1, where it is 1 everywhere.
     CurvatureSpread,
+    /// κ₁ + κ₂ below which 99 % of a cylinder of radius 1 lie, where it is 1 everywhere.
+    CurvaturePeak,
+    /// Share of attempts to draw that are not refused with a reason.
+    NotRefused,
     /// Largest difference of κ from the oracle's over the same store and links.
     KappaError,
     /// Largest error of a stored base colour, sRGB.
@@ -213,6 +217,8 @@ impl Measure {
             Measure::KappaUnlike(_) => "curvature changed",
             Measure::SphereCurvature(_) => "curvature off",
             Measure::CurvatureSpread => "spread of curvature",
+            Measure::CurvaturePeak => "peak of curvature",
+            Measure::NotRefused => "not refused",
             Measure::KappaError => "worst κ",
             Measure::ColorError => "worst stored colour",
             Measure::LightError => "worst lit colour",
@@ -239,6 +245,7 @@ impl Measure {
             | Measure::KappaUnlike(_)
             | Measure::SphereCurvature(_)
             | Measure::UnlikeExact
+            | Measure::NotRefused
             | Measure::OrderDependence(_)
             | Measure::PictureUnlike(_) => " %",
             Measure::NormalError => "°",
@@ -247,7 +254,7 @@ impl Measure {
             | Measure::StyleError
             | Measure::BlendError
             | Measure::PictureError => "/255",
-            Measure::CurvatureSpread | Measure::KappaError | Measure::RandomScenes => "",
+            Measure::CurvatureSpread | Measure::CurvaturePeak | Measure::KappaError | Measure::RandomScenes => "",
         }
     }
 }

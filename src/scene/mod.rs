@@ -14,6 +14,7 @@
 
 pub mod arrangement;
 pub mod builtin;
+mod digest;
 pub mod hard_case;
 mod normals;
 mod statistics;

@@ -53,13 +53,15 @@ choice! {
 }
 
 choice! {
-    /// How a normal is packed into 32 bits.
+    /// How a normal is packed.
     pub enum NormalEncoding {
         /// Octahedral, 16 + 16 bits: worst error 0.004°.
         #[default]
         Octahedral = "octahedral",
         /// The paper's x and y with 15 bits each and 2 for the sign of z: worst error 0.53°.
         Xy15 = "xy15",
+        /// Three 32-bit floats, in twice the room: the reference's.
+        Full = "full",
     }
 }
 

@@ -4,7 +4,7 @@
 //! but errors far below one are measured too. Without a background, both are laid over middle grey, where an error of
 //! coverage shows whatever the colour.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::flip::flip;
 use super::statistics::percentile;
@@ -15,7 +15,7 @@ use crate::math::color::{Premultiplied, linear_from_srgb, srgb_from_linear};
 const STEPS: f64 = 255.0;
 
 /// Errors of a picture.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ImageError {
     /// Largest difference of a channel, in 8-bit steps, 0 to 255.
     pub maximum: f64,

@@ -54,6 +54,7 @@ fn facts(sweep: &Sweep, subject: &Subject) -> String {
         .adapter
         .as_ref()
         .map_or_else(String::new, |a| format!("; {}, {}, driver {} {}", a.name, a.backend, a.driver, a.driver_info));
+    let passes = subject.adapter.as_ref().map_or_else(String::new, |a| format!("; passes: {}", a.pass_timing().name()));
     let commit = COMMIT.map_or_else(String::new, |c| format!(", commit {c}"));
     let few = sweep.rows.iter().filter_map(|r| r.outcome.as_ref().ok()?.times.as_ref()).any(|t| t.samples.len() < 6);
     let few = if few {
@@ -63,7 +64,7 @@ fn facts(sweep: &Sweep, subject: &Subject) -> String {
         ""
     };
     format!(
-        "{}×{} pixels, {}{adapter}; Pellucid {}{commit}. Layers were compared at {}×{}. {:.0} s in all.{few}",
+        "{}×{} pixels, {}{adapter}; Pellucid {}{commit}. Layers were compared at {}×{}. {:.0} s in all{passes}.{few}",
         sweep.size[0],
         sweep.size[1],
         subject.camera,
@@ -164,7 +165,7 @@ fn pictures(html: &mut String, sweep: &Sweep, table: &Table) {
 fn whole_table(html: &mut String, table: &Table) {
     html.push_str("<section><h2>All figures</h2>\n<div class=\"scroll\"><table><thead><tr>");
     for column in &table.columns {
-        let help = COLUMNS.iter().find(|(name, _)| name == column).map_or("time of a pass run alone", |(_, help)| help);
+        let help = COLUMNS.iter().find(|(name, _)| name == column).map_or("time of a pass", |(_, help)| help);
         let _ = write!(html, "<th title=\"{}\">{}</th>", escape(help), escape(&column.replace('_', " ")));
     }
     html.push_str("</tr></thead><tbody>\n");

@@ -7,8 +7,7 @@
 //!
 //! # Its own precision
 //! - Depth: the rasterizer's 32-bit floating point, reversed: a relative step of at most 2⁻²³ of the distance.
-//! - Normals: octahedral with 16 + 16 bits, at most 0.004° off (T9). An encoding of full precision takes this place once it is
-//!   declared as the exact value of the `normals` axis, beside the packing itself.
+//! - Normals: three 32-bit floats, as interpolated (T9).
 //! - κ: single precision. Lit colour and opacity: half floats, 2⁻¹¹ relative, an eighth of an 8-bit step at most.
 //! - The picture: single precision.
 //!
@@ -61,7 +60,13 @@ mod tests {
     #[test]
     fn the_reference_is_exact_and_keeps_the_look() {
         let axes = axis::all();
-        assert_eq!(reference(&Settings::default(), &axes).unwrap(), Settings::default(), "the default is exact");
+        let mut precise = Settings::default();
+        precise.capture.normals = NormalEncoding::Full;
+        assert_eq!(
+            reference(&Settings::default(), &axes).unwrap(),
+            precise,
+            "the default is exact but for its normals"
+        );
         let mut asked = Settings::default();
         for (path, value) in [
             ("capture.kind", "bucketed_k_buffer"),
@@ -76,7 +81,7 @@ mod tests {
         }
         let exact = reference(&asked, &axes).unwrap();
         assert_eq!(exact.capture.kind, CaptureKind::Compacted);
-        assert_eq!(exact.capture.normals, NormalEncoding::Octahedral);
+        assert_eq!(exact.capture.normals, NormalEncoding::Full);
         assert_eq!(exact.features.depth_term, Settings::default().features.depth_term);
         assert_eq!(exact.features.curvature.kind, CurvatureKind::ViewCentred);
         assert_eq!((exact.features.curvature.radius, exact.image.samples), (0.01, 20));

@@ -53,6 +53,7 @@ fn json_of(sweep: &Sweep, subject: &Subject) -> Value {
         "size": sweep.size,
         "layer_size": sweep.layer_size,
         "adapter": subject.adapter,
+        "pass_timing": subject.adapter.as_ref().map(|a| a.pass_timing()),
         "version": env!("CARGO_PKG_VERSION"),
         "commit": COMMIT,
         "limit_seconds": subject.limit_seconds,

@@ -2,7 +2,7 @@
 //!
 //! Each is warmed up (the first frame compiles its shaders), compared with its reference, and then timed in turn with the
 //! baseline, what the user asked for, so that whatever else the machine does meets both: wall time from settings to picture.
-//! The times of the passes come from frames of their own, pass by pass, because timestamps are wrong on software rasterizers.
+//! The times of the passes come from frames of their own, by timestamps or, where those are wrong, pass by pass.
 //! The time that is left is shared among the configurations that are left by the frames that they need; errors go before
 //! times. What is refused or fails is a row with its reason, and so is what the time limit did not reach.
 //!
@@ -69,7 +69,7 @@ pub struct Times {
     pub whole: Option<Estimate>,
     /// Median of each sample over the baseline's beside it.
     pub ratio: Option<Estimate>,
-    /// Median of each pass, run alone.
+    /// Median of each pass.
     pub passes: Vec<PassTime>,
     /// Frames behind `passes`.
     pub pass_frames: Vec<Vec<PassTime>>,
@@ -310,7 +310,7 @@ impl Run<'_> {
         settings: &Settings,
         size: [u32; 2],
     ) -> Result<(Drawn, Option<Layers>), RenderError> {
-        let layers = Wanted { layers: true, serial_times: false };
+        let layers = Wanted { layers: true, pass_times: false };
         // Layers first, so that the buffers are left in the size of the picture.
         let apart = if size == self.layer_size || settings.image.samples > 1 {
             None
@@ -394,7 +394,7 @@ impl Run<'_> {
             each = round.elapsed() * 2;
         }
         self.baseline_samples.extend(&times.baseline_samples);
-        let serial = Wanted { layers: false, serial_times: true };
+        let serial = Wanted { layers: false, pass_times: true };
         for _ in 0..times.samples.len().div_ceil(3).min(3) {
             times.pass_frames.push(self.draw(Lane::Candidate, settings, size, serial)?.1.passes);
         }
@@ -407,7 +407,7 @@ impl Run<'_> {
 }
 
 fn layers_if(layers: bool) -> Wanted {
-    Wanted { layers, serial_times: false }
+    Wanted { layers, pass_times: false }
 }
 
 /// Median of each pass over frames.

@@ -24,6 +24,8 @@ pub enum Lane {
 pub struct Drawn {
     /// The picture.
     pub image: LinearImage,
+    /// Wall time of the frame, milliseconds.
+    pub milliseconds: f64,
     /// Times of the passes.
     pub passes: Vec<PassTime>,
     /// What the capture counted.
@@ -48,8 +50,8 @@ pub struct Layers {
 pub struct Wanted {
     /// The layers, where the frame has one band and one sample.
     pub layers: bool,
-    /// Times of the passes by [`Timing::Serial`], which makes the frame as a whole slower.
-    pub serial_times: bool,
+    /// Times of the passes ([`AdapterFacts::pass_timing`]). Where each is run alone, the frame as a whole is slower.
+    pub pass_times: bool,
 }
 
 /// Draws one scene from one camera.
@@ -90,7 +92,7 @@ impl RendererBench {
 impl Workbench for RendererBench {
     fn draw(&mut self, lane: Lane, settings: &Settings, size: [u32; 2], wanted: Wanted) -> Result<Drawn, RenderError> {
         let (renderer, scene) = &mut self.lanes[usize::from(lane == Lane::Candidate)];
-        renderer.timing = if wanted.serial_times { Timing::Serial } else { Timing::Timestamps };
+        renderer.timing = if wanted.pass_times { renderer.gpu().facts().pass_timing() } else { Timing::Timestamps };
         let frame = renderer.render(scene, &self.camera, settings, size)?;
         let report = frame.report;
         let plan = &report.plan;
@@ -103,6 +105,7 @@ impl Workbench for RendererBench {
         };
         Ok(Drawn {
             image: frame.image,
+            milliseconds: report.milliseconds,
             passes: report.passes,
             counts: report.layers,
             buffer_bytes: report.buffer_bytes,

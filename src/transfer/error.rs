@@ -21,7 +21,7 @@ pub enum TransferError {
         /// The cause.
         reason: String,
     },
-    /// The TOML text is malformed or says something that is not allowed.
+    /// A text is malformed or says something that is not allowed.
     #[error("{path}:{line}:{column}: {reason}")]
     Text {
         /// The file.
@@ -42,6 +42,11 @@ impl TransferError {
 
     pub(super) fn file(path: impl ToString, reason: impl ToString) -> TransferError {
         TransferError::File { path: path.to_string(), reason: reason.to_string() }
+    }
+
+    /// What is wrong in a line of a text.
+    pub(super) fn at_line(path: &str, line: usize, reason: impl ToString) -> TransferError {
+        TransferError::Text { path: path.to_owned(), line, column: 1, reason: reason.to_string() }
     }
 
     /// A TOML error at the line and column where its span starts.

@@ -30,10 +30,14 @@
 //! ]
 //! ```
 //!
-//! The same two tables may stand in a settings file under `[opacity.transfer]`.
+//! The same two tables may stand in a settings file under `[opacity.transfer]`. Files of other programs are read and
+//! written too: [`formats`]. What an editor does to points is [`edit`].
 
 mod color;
+pub mod edit;
 mod error;
+pub mod formats;
+mod histogram;
 mod opacity;
 mod points;
 mod presets;
@@ -51,6 +55,8 @@ pub(crate) use color::hex;
 pub use color::{ColorFunction, ColorMode, ColorPoint, ColorShape, ColorValue};
 pub use error::TransferError;
 pub(crate) use error::place_of;
+pub use formats::{Exported, Format, Imported};
+pub use histogram::Histogram2d;
 pub use opacity::{OpacityCurve, OpacityFunction, OpacityPoint, OpacityShape};
 pub use points::{ControlPoint, Interpolation, Points};
 pub use presets::{Preset, names, presets};
@@ -103,6 +109,19 @@ impl TransferFunction {
         Ok(())
     }
 
+    /// The path of an image that has not been loaded, if there is one.
+    fn not_loaded(&self) -> Option<&str> {
+        let strip = match &self.color.shape {
+            ColorShape::Strip(raster) => Some(raster),
+            ColorShape::Points { .. } => None,
+        };
+        let map = match &self.opacity.shape {
+            OpacityShape::Image(raster) => Some(raster),
+            OpacityShape::Curves { .. } => None,
+        };
+        strip.into_iter().chain(map).find(|r| !r.is_loaded()).map(Raster::path)
+    }
+
     fn rasters(&mut self) -> impl Iterator<Item = &mut Raster> {
         let strip = match &mut self.color.shape {
             ColorShape::Strip(raster) => Some(raster),
@@ -135,29 +154,45 @@ impl Default for TransferSource {
 impl TransferSource {
     /// Finds, reads and checks the functions, images included.
     ///
-    /// A string without a folder and an extension is a name from [`names`]; any other is a path. Relative paths, and
-    /// those of images in an inline function, count from `base_dir`, or from the current folder where that is `None`.
+    /// A string without a folder and an extension is a name from [`names`]; any other is a path to a file of any of the
+    /// [`formats`], and `PATH#NAME` is a map by its name where a file holds several. Relative paths, and those of
+    /// images in an inline function, count from `base_dir`, or from the current folder where that is `None`.
     ///
     /// # Errors
     /// [`TransferError`] for a name that does not exist, a file that cannot be read, and anything wrong inside.
     pub fn resolve(&self, base_dir: Option<&Path>) -> Result<TransferFunction, TransferError> {
+        self.import(base_dir, None).map(|imported| imported.function)
+    }
+
+    /// The same with what was mapped, approximated or left out on the way. `map` chooses among several maps in one
+    /// file, as `#NAME` does.
+    ///
+    /// # Errors
+    /// As [`TransferSource::resolve`], and for a map that does not exist.
+    pub fn import(&self, base_dir: Option<&Path>, map: Option<&str>) -> Result<Imported, TransferError> {
         let base = || Folder::Disk(base_dir.map(Path::to_path_buf).unwrap_or_default());
-        let (mut function, folder) = match self {
-            TransferSource::Inline(function) => ((**function).clone(), base()),
+        let (mut imported, folder) = match self {
+            TransferSource::Inline(function) => {
+                (Imported { function: (**function).clone(), notices: Vec::new() }, base())
+            }
             TransferSource::Named(name) if is_name(name) => {
                 if !names().contains(&name.as_str()) {
                     return Err(TransferError::unknown(name));
                 }
-                (read(&Folder::Embedded, &format!("{name}.toml"))?, Folder::Embedded)
+                (read(&Folder::Embedded, &format!("{name}.toml"), map)?, Folder::Embedded)
             }
             TransferSource::Named(path) => {
-                let function = read(&base(), path)?;
-                let at = base_dir.map(|b| b.join(path)).unwrap_or_else(|| PathBuf::from(path));
-                (function, Folder::Disk(at.parent().map(Path::to_path_buf).unwrap_or_default()))
+                let on_disk = |path: &str| base_dir.map_or_else(|| PathBuf::from(path), |b| b.join(path));
+                let (path, map) = match path.rsplit_once('#') {
+                    Some((file, name)) if map.is_none() && !on_disk(path).exists() => (file, Some(name)),
+                    _ => (path.as_str(), map),
+                };
+                let imported = read(&base(), path, map)?;
+                (imported, Folder::Disk(on_disk(path).parent().map(Path::to_path_buf).unwrap_or_default()))
             }
         };
-        function.load_images(&folder)?;
-        Ok(function)
+        imported.function.load_images(&folder)?;
+        Ok(imported)
     }
 }
 
@@ -184,11 +219,8 @@ fn is_name(text: &str) -> bool {
     !text.contains(['/', '\\', '.'])
 }
 
-fn read(folder: &Folder, path: &str) -> Result<TransferFunction, TransferError> {
-    let shown = folder.show(path);
-    let text = String::from_utf8(folder.read(path)?)
-        .map_err(|_| TransferError::file(&shown, "not a text file; a transfer function is TOML that may name a PNG"))?;
-    TransferFunction::from_toml(&text, &shown)
+fn read(folder: &Folder, path: &str, map: Option<&str>) -> Result<Imported, TransferError> {
+    formats::read(&folder.read(path)?, &folder.show(path), map)
 }
 
 /// Where paths count from.

@@ -65,6 +65,18 @@ impl<P: ControlPoint> Points<P> {
         &self.0
     }
 
+    /// Changes the points by a function that keeps what `Points` promises; where it did not, nothing is changed.
+    pub(super) fn edit(&mut self, change: impl FnOnce(&mut Vec<P>))
+    where
+        P: Clone,
+    {
+        let mut changed = self.0.clone();
+        change(&mut changed);
+        if let Ok(sound) = Points::new(changed) {
+            *self = sound;
+        }
+    }
+
     /// Positions of the points, strictly increasing.
     pub(super) fn positions(&self) -> Vec<f64> {
         self.0.iter().map(ControlPoint::position).collect()

@@ -21,6 +21,20 @@ struct Pixels {
     height: usize,
     /// Rows from the top.
     values: Vec<[f32; 3]>,
+    translucent: bool,
+}
+
+/// What a loaded image is like.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct RasterFacts {
+    /// Width and height.
+    pub size: [usize; 2],
+    /// Whether any pixel is not grey.
+    pub coloured: bool,
+    /// Whether any pixel's alpha, which nothing here reads, is below 1.
+    pub translucent: bool,
+    /// Whether any row differs from the first.
+    pub rows_differ: bool,
 }
 
 impl Raster {
@@ -39,6 +53,24 @@ impl Raster {
         self.pixels.is_some()
     }
 
+    /// What the image is like, once it has been read.
+    pub(super) fn facts(&self) -> Option<RasterFacts> {
+        let pixels = self.pixels.as_deref()?;
+        let mut rows = pixels.values.chunks(pixels.width.max(1));
+        let first = rows.next();
+        Some(RasterFacts {
+            size: [pixels.width, pixels.height],
+            coloured: pixels.values.iter().any(|[r, g, b]| r != g || g != b),
+            translucent: pixels.translucent,
+            rows_differ: rows.any(|row| Some(row) != first),
+        })
+    }
+
+    /// Width and height, once the image has been read.
+    pub(super) fn size(&self) -> Option<[usize; 2]> {
+        self.pixels.as_deref().map(|p| [p.width, p.height])
+    }
+
     /// Decodes a PNG into this raster.
     ///
     /// # Errors
@@ -50,10 +82,12 @@ impl Raster {
         limits.max_image_height = Some(LARGEST);
         reader.limits(limits);
         let decoded = reader.decode().map_err(|e| format!("not a usable PNG: {e}"))?;
+        let translucent = decoded.color().has_alpha() && decoded.to_rgba16().pixels().any(|p| p.0[3] < u16::MAX);
         // Through 16 bits, which hold 8 exactly (times 257).
         let rgb = decoded.into_rgb16();
         let values = rgb.pixels().map(|p| p.0.map(|v| (f64::from(v) / 65535.0) as f32)).collect();
-        self.pixels = Some(Arc::new(Pixels { width: rgb.width() as usize, height: rgb.height() as usize, values }));
+        self.pixels =
+            Some(Arc::new(Pixels { width: rgb.width() as usize, height: rgb.height() as usize, values, translucent }));
         Ok(())
     }
 

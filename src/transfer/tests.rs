@@ -231,8 +231,10 @@ fn images_are_read_as_plain_numbers_beside_the_file_that_names_them() {
     std::fs::remove_file(at("c.png")).unwrap();
     let e = TransferSource::Named("looks/f.toml".to_owned()).resolve(Some(folder.path())).unwrap_err().to_string();
     assert!(e.contains("c.png: No such file"), "{e}");
-    let e = TransferSource::Named("looks/o.png".to_owned()).resolve(Some(folder.path())).unwrap_err().to_string();
-    assert!(e.contains("o.png: not a text file"), "{e}");
+    // An image by itself is a function too: this one, as high as wide, of opacities.
+    let map = TransferSource::Named("looks/o.png".to_owned()).import(Some(folder.path()), None).unwrap();
+    assert!((map.function.opacity.sample(1.0, 0.0) - 0.2).abs() < 1e-6);
+    assert!(map.notices.iter().any(|n| n.contains("no colour")), "{:?}", map.notices);
 }
 
 #[test]
@@ -249,6 +251,22 @@ fn a_source_can_be_used_from_another_folder_and_a_resolved_function_again() {
     std::fs::write(folder.path().join("f.toml"), text).unwrap();
     assert!(TransferSource::Named("f.toml".to_owned()).rebased(folder.path()).resolve(None).is_ok());
     assert_eq!(TransferSource::default().rebased(folder.path()), TransferSource::default());
+}
+
+#[test]
+fn files_of_other_programs_work_by_path_and_maps_by_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let maps = r#"[{"Name":"A","RGBPoints":[-1,0,0,0,1,0,0,0]},{"Name":"B","RGBPoints":[-1,1,1,1,1,1,1,1]}]"#;
+    std::fs::write(folder.path().join("maps.json"), maps).unwrap();
+    let resolve = |name: &str| TransferSource::Named(name.to_owned()).resolve(Some(folder.path())).map(|f| f.color);
+    assert_eq!(resolve("maps.json").unwrap().constant(), Some([0.0; 3]));
+    assert_eq!(resolve("maps.json#B").unwrap().constant(), Some([1.0; 3]));
+    assert!(resolve("maps.json#C").unwrap_err().to_string().contains("'C'"));
+    let rebased = TransferSource::Named("maps.json#B".to_owned()).rebased(folder.path());
+    assert_eq!(rebased.resolve(None).unwrap().color.constant(), Some([1.0; 3]));
+    // A file that is called so comes first.
+    std::fs::write(folder.path().join("maps.json#B"), maps).unwrap();
+    assert_eq!(resolve("maps.json#B").unwrap().constant(), Some([0.0; 3]));
 }
 
 #[test]

@@ -39,7 +39,8 @@ fn t28_the_k_buffer_with_enough_layers_equals_the_compacted_lists() {
     for (name, scene, camera) in views() {
         let k = deepest(&mut r, &scene, &camera, SIZE);
         println!("{name}: {k} layers at most");
-        for model in ["", "model=constant constant=0.37", "curvature=view_centred radius=0.03 normals=xy15"] {
+        let look = "curvature=view_centred radius=0.03 normals=xy15";
+        for model in ["", "model=constant constant=0.37", look, "normals=full"] {
             let exact = draw(&mut r, &scene, &camera, &lively_settings(model), SIZE);
             assert!(exact.store.layers.len() > 2000);
             for k in [k, 2 * k] {

@@ -275,7 +275,7 @@ fn matrix() -> Vec<String> {
         "kind=bkb k=16 key=packed32 depth=reversed",
     ];
     for capture in captures {
-        for normals in ["octahedral", "xy15"] {
+        for normals in ["octahedral", "xy15", "full"] {
             for curvature in ["surface", "view_centred"] {
                 for unit in ["view", "part", "scene", "world"] {
                     for search in ["buckets reverse=true", "buckets reverse=false", "brute_force reverse=true"] {

@@ -13,6 +13,7 @@ use pellucid::render::RenderError;
 use pellucid::scene::Scene;
 use pellucid::settings::Settings;
 use pellucid::tradeoff::axis::{AS_ASKED, configurations, named};
+use pellucid::tradeoff::budget::{self, Goal, Measurements, afresh, choose};
 use pellucid::tradeoff::image_error::compare;
 use pellucid::tradeoff::layer_error::{Identity, layer_error};
 use pellucid::tradeoff::reference::{reference, supersampled};
@@ -46,6 +47,30 @@ fn errors_alone() -> Options {
 fn measured<'a>(sweep: &'a Sweep, name: &str) -> &'a Measured {
     let row = sweep.rows.iter().find(|r| r.configuration.short == name).unwrap_or_else(|| panic!("{name}"));
     row.outcome.as_ref().unwrap_or_else(|e| panic!("{name}: {e}"))
+}
+
+/// Errors are deterministic: what was promised is found again on another device. Times are printed, not judged.
+#[test]
+fn chosen_settings_keep_their_promise_when_measured_afresh() {
+    let background = Some([0.02; 3]);
+    let options = budget::Options { size: SIZE, background, limit: Duration::from_secs(3600) };
+    for seed in [1, 2, 3] {
+        let scene = meshes::assembly(seed);
+        let camera = camera(&scene, false);
+        let base = with_transfer(Settings::default(), lively());
+        let mut known = Measurements::default();
+        for goal in [Goal::Error(0.03), Goal::Time(40.0)] {
+            let Some(mut first) = bench(&scene, &camera) else { return };
+            let choice = choose(&mut first, &base, goal, &options, &mut known, &mut |_| {}).unwrap();
+            let Some(mut second) = bench(&scene, &camera) else { return };
+            let again = afresh(&mut second, &base, &choice, &options).unwrap();
+            println!("assembly {seed}, {goal:?}: {choice:?}\n    afresh {again:?}");
+            assert_eq!(again.flip, choice.flip, "the error is what it was");
+            if let Goal::Error(limit) = goal {
+                assert!(choice.kept && again.flip <= limit);
+            }
+        }
+    }
 }
 
 /// Every stage in f64 from the scene alone, against the reference's picture and layers.

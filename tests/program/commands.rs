@@ -104,6 +104,7 @@ fn help_names_commands_environment_and_exit_codes() {
         "settings",
         "presets",
         "scenes",
+        "transfer",
         "assets",
         "bench",
         "tradeoff",
@@ -220,6 +221,44 @@ fn broken_settings_and_transfer_functions_exit_with_3_and_name_the_line() {
     place.fails(3, "render boxes.glb -o a.png --transfer point.toml", &["point.toml:3:", "kappa = 2"]);
     place.fails(3, "plan boxes.glb --settings uses.toml", &["point.toml:3:"]);
     place.fails(3, "plan boxes.glb --transfer missing.toml", &["missing.toml"]);
+}
+
+#[test]
+fn transfer_functions_are_described_and_converted() {
+    let place = Place::new();
+    let run = place.done("transfer pellucid");
+    assert!(run.err.is_empty() && run.text().contains("varies with depth") && run.text().lines().count() <= 40);
+    for ending in ["toml", "csv", "json", "xml", "vp", "png", "opacity.png"] {
+        let run = place.done(&format!("transfer x-ray -o look.{ending}"));
+        assert!(run.out.is_empty());
+        let own = ["toml", "csv"].contains(&ending);
+        let lines = run.err.lines().all(|l| l.starts_with(&format!("look.{ending}: ")));
+        assert!(lines && run.err.is_empty() == own, "{ending}: {}", run.err);
+        place.done(&format!("transfer look.{ending}"));
+    }
+    assert_eq!(place.done("transfer look.csv").text().lines().skip(1).collect::<Vec<_>>(), {
+        let text = place.done("transfer look.toml").text();
+        text.lines().skip(1).map(str::to_owned).collect::<Vec<_>>()
+    });
+    let maps = br#"[{"Name":"A","RGBPoints":[0,0,0,0,1,0,0,0]},{"Name":"B","RGBPoints":[0,1,1,1,1,1,1,1]}]"#;
+    place.write("maps.json", maps);
+    place.done("transfer maps.json --name B -o b.json");
+    assert!(std::fs::read_to_string(place.path("b.json")).unwrap().contains("\"B\""));
+    place.write("broken.json", b"[\n{\"RGBPoints\": [1, 2]}]");
+    place.fails(3, "transfer broken.json", &["broken.json:2:", "groups of 4"]);
+    place.fails(3, "transfer maps.json --name C", &["'C'", "'A', 'B'"]);
+    place.fails(2, "transfer glass", &["'glass'"]);
+    place.fails(2, "transfer x-ray -o look.gif", &["look.gif", ".vp"]);
+    place.fails(1, "transfer x-ray -o no/such/a.csv", &["no/such/a.csv"]);
+    // Wherever a function is taken, with its notices once.
+    if gpu("transfer functions of other programs").is_none() {
+        return;
+    }
+    place.write("uses.toml", b"opacity.transfer = 'maps.json#B'\n");
+    for options in ["--transfer maps.json", "--settings uses.toml"] {
+        let run = place.done(&format!("render boxes.glb -o a.png --size 32x32 --compare {options}"));
+        assert_eq!(run.err.matches("mapped onto kappa").count(), 1, "{options}: {}", run.err);
+    }
 }
 
 #[test]

@@ -3,7 +3,7 @@
 alias Element = vec3<u32>;
 @group(1) @binding(2) var<storage, read_write> keys: array<vec2<u32>>;
 // The depth word goes to the shape column too; the normal follows when surfaces are gathered.
-@group(1) @binding(3) var<storage, read_write> shapes: array<vec2<u32>>;
+@group(1) @binding(3) var<storage, read_write> shapes: array<ShapeWords>;
 @group(1) @binding(20) var<storage, read_write> arrival_keys: array<vec2<u32>>;
 @group(1) @binding(24) var<storage, read_write> sources: array<u32>;
 

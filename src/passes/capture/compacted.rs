@@ -39,8 +39,8 @@ pub fn append_spec(plan: &FramePlan, vertex: ShaderSpec) -> ShaderSpec {
 pub const SORTED: &str = "passes/sort/elements_by_depth";
 
 /// The shader of [`gather`].
-pub fn gather_spec() -> ShaderSpec {
-    ShaderSpec::new("passes/capture/compacted/gather")
+pub fn gather_spec(plan: &FramePlan) -> ShaderSpec {
+    StoreModules::of(plan).normals_alone(ShaderSpec::new("passes/capture/compacted/gather"))
 }
 
 /// Geometry pass: counts the fragments of every pixel into `pixel_counts`, which must be zero.
@@ -95,5 +95,5 @@ pub fn sort_by_depth(context: &mut Context<'_>) -> Result<(), GpuError> {
 /// # Errors
 /// [`GpuError`] of the device.
 pub fn gather(context: &mut Context<'_>) -> Result<(), GpuError> {
-    context.per_pixel(Pass::Gather, &gather_spec(), "main")
+    context.per_pixel(Pass::Gather, &gather_spec(context.plan), "main")
 }

@@ -194,4 +194,27 @@ pub const CASES: &[HardCase] = &[
         measure: Measure::CurvatureSpread,
         bound: 0.33,
     },
+    HardCase {
+        name: "t31-flat-facets",
+        trap: "T31",
+        why: "The same cylinder as an STL brings it: every facet flat, no vertex shared, so that all the curvature sits in \
+              the edges. Between next pixels the normal jumps there, a spike of many times the curvature, and nothing \
+              happens anywhere else; over a radius edges under the crease angle even out. The figure is the peak where the \
+              smooth cylinder has 1 everywhere.",
+        scene: Builtin("builtin:hard/flat-facets?facets=48"),
+        camera: CaseCamera::FRONT_PARALLEL,
+        size: [128, 128],
+        ours: Method::of(
+            "radius 0.05",
+            "features.curvature.unit=world features.curvature.scale=0.05 features.curvature.radius=0.05 \
+             features.curvature.line_width=0",
+        ),
+        contrast: Some(Printed(Method::of(
+            "next pixels only",
+            "features.curvature.unit=world features.curvature.scale=0.05 features.curvature.radius=0 \
+             features.curvature.line_width=0",
+        ))),
+        measure: Measure::CurvaturePeak,
+        bound: 1.5,
+    },
 ];

@@ -85,6 +85,19 @@ pub const CASES: &[HardCase] = &[
         bound: 0.0,
     },
     HardCase {
+        name: "t29-no-pixel",
+        trap: "T29",
+        why: "An image without pixels, as a window has while it is minimized. There is nothing to dispatch and no texture of \
+              that size; it must be refused in words before the device is asked.",
+        scene: Builtin("builtin:hard/stack?layers=20&parts=4"),
+        camera: CaseCamera::FRONT,
+        size: [0, 0],
+        ours: EXACT,
+        contrast: None,
+        measure: Measure::NotRefused,
+        bound: 0.0,
+    },
+    HardCase {
         name: "t29-one-pixel",
         trap: "T29",
         why: "An image of one pixel: no neighbour anywhere, a single work group nearly idle, a projection whose sample is \

@@ -12,7 +12,7 @@ use crate::oracle::compare::{self, Comparison, rig};
 use crate::oracle::stylize::Tables;
 use crate::oracle::{Extents, Layers, Link, View, composite, rasterize, shade, stylize};
 use crate::plan::Capture;
-use crate::render::{DrawOrder, Renderer};
+use crate::render::{DrawOrder, RenderError, Renderer};
 use crate::scene::Scene;
 use crate::scene::hard_case::{HardCase, Measure, Method, Source};
 use crate::settings::{CaptureKind, OpacityModel, Settings};
@@ -81,6 +81,8 @@ impl<'a> Stand<'a> {
             Measure::KappaUnlike(twin) => self.kappa_unlike(&twin),
             Measure::SphereCurvature(facing) => self.sphere_curvature(facing),
             Measure::CurvatureSpread => self.curvature_spread(),
+            Measure::CurvaturePeak => self.curvature_peak(),
+            Measure::NotRefused => self.not_refused(),
             Measure::KappaError => self.kappa_error(),
             Measure::ColorError => self.color_error(),
             Measure::LightError => self.light_error(),
@@ -307,16 +309,42 @@ impl<'a> Stand<'a> {
         Ok(Figure { value: percentile(&mut errors, 0.5), samples: errors.len(), ambiguous: 0 })
     }
 
-    fn curvature_spread(&mut self) -> Result<Figure, CaseError> {
+    /// κ₁ + κ₂ of the front of a cylinder, away from its ends and rims.
+    fn cylinder_curvatures(&mut self) -> Result<Vec<f64>, CaseError> {
         let shot = self.shot()?;
         let layers = &shot.store.layers;
         let pixel_of = layers.pixel_of_fragment();
         let middle = self.case.size[1] / 2;
         let in_the_middle = |i: usize| layers.xy(pixel_of[i]).1.abs_diff(middle) < self.case.size[1] * 5 / 32;
-        let mut sums: Vec<f64> = (0..layers.len())
+        Ok((0..layers.len())
             .filter(|&i| layers.side[i] && layers.normal[i][2] > 0.5 && in_the_middle(i))
             .map(|i| self.sum_of(shot.store.kappa[i]))
-            .collect();
+            .collect())
+    }
+
+    fn curvature_peak(&mut self) -> Result<Figure, CaseError> {
+        let mut sums = self.cylinder_curvatures()?;
+        Ok(Figure { value: percentile(&mut sums, 0.99), samples: sums.len(), ambiguous: 0 })
+    }
+
+    /// Draws what cannot be drawn, with both captures and without layers.
+    fn not_refused(&mut self) -> Result<Figure, CaseError> {
+        let (scene, camera) = (self.scene.clone(), self.camera(&self.scene));
+        let mut drawn = 0;
+        let kinds = ["capture.kind=compacted", "capture.kind=bucketed_k_buffer", "opacity.model=opaque"];
+        for kind in kinds {
+            let settings = Settings::from_pairs(&format!("{} {kind}", self.method.settings))?;
+            match Shot::take(self.r, &scene, &camera, &settings, self.case.size) {
+                Ok(_) => drawn += 1,
+                Err(RenderError::Refused(refusal)) if !refusal.to_string().is_empty() => {}
+                Err(e) => return Err(e.into()),
+            }
+        }
+        Ok(share(drawn, kinds.len()))
+    }
+
+    fn curvature_spread(&mut self) -> Result<Figure, CaseError> {
+        let mut sums = self.cylinder_curvatures()?;
         let value = percentile(&mut sums, 0.9) - percentile(&mut sums, 0.1);
         Ok(Figure { value, samples: sums.len(), ambiguous: 0 })
     }

@@ -14,8 +14,8 @@ struct StoreLayout {
 @group(1) @binding(19) var<storage, read_write> cursors: array<atomic<u32>>;
 @group(1) @binding(20) var<storage, read_write> arrival_keys: array<vec2<u32>>;
 @group(1) @binding(21) var<storage, read_write> arrival_colors: array<vec2<u32>>;
-// Normal, material word.
-@group(1) @binding(23) var<storage, read_write> arrival_surfaces: array<vec2<u32>>;
+// Material word, normal.
+@group(1) @binding(23) var<storage, read_write> arrival_surfaces: array<ShapeWords>;
 @group(1) @binding(22) var<storage, read_write> arrival_emissive: array<u32>;
 
 @fragment
@@ -33,7 +33,7 @@ fn fragment_main(v: Varyings, @builtin(front_facing) front_facing: bool) -> @loc
     arrival_keys[slot] = vec2<u32>(v.triangle, depth_key_of(v.position));
     let word = pack_material(MaterialWord(s.metallic, s.roughness, s.occlusion, s.unlit, s.back_side));
     arrival_colors[slot] = pack_half4(s.color);
-    arrival_surfaces[slot] = vec2<u32>(pack_normal(s.normal), word);
+    arrival_surfaces[slot] = shape_words(word, pack_normal(s.normal));
     arrival_emissive[slot] = pack_rgb9e5(s.emissive);
     return vec4<f32>(0.0);
 }

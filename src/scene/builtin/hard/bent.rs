@@ -90,6 +90,21 @@ pub(super) fn facets(p: &mut Parameters) -> Result<Scene, BuiltinError> {
     Ok(parts(vec![banded_cylinder(&unequal(count as u32))]))
 }
 
+/// A cylinder as an STL brings it: every facet flat, no vertex shared.
+pub(super) fn flat_facets(p: &mut Parameters) -> Result<Scene, BuiltinError> {
+    let [count] = p.take([("facets", 48.0, 3.0, 4096.0)])?;
+    let angles = unequal(count as u32);
+    let mut all = Primitive::default();
+    for edges in angles.windows(2) {
+        let middle = 0.5 * (edges[0] + edges[1]);
+        let mut facet = samples::cylinder_at(1.0, 1.5, edges);
+        let normal = DVec3::new(middle.sin(), 0.0, middle.cos()).as_vec3().to_array();
+        facet.normals.fill(normal);
+        samples::append(&mut all, &facet);
+    }
+    Ok(parts(vec![all]))
+}
+
 /// A sphere, a normal in seven of which is zero or not a number, and triangles that have no surface: without area, with
 /// corners that are not numbers, with corners at infinity.
 pub(super) fn broken(p: &mut Parameters) -> Result<Scene, BuiltinError> {

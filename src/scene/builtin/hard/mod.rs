@@ -70,6 +70,11 @@ const SCENES: &[Hard] = &[
         bent::saddle,
     ),
     hard("hard/facets", "open cylinder of unequal facets, banded normals (facets=24) (T31)", bent::facets),
+    hard(
+        "hard/flat-facets",
+        "open cylinder of flat facets, each with its own normal (facets=48) (T31)",
+        bent::flat_facets,
+    ),
 ];
 
 /// All of them, as offered.

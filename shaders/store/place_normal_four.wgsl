@@ -1,0 +1,7 @@
+// Writes the normal of a layer whose depth word is there already.
+
+fn place_normal(slot: u32, words: ShapeWords) {
+    shapes[slot].y = words.y;
+    shapes[slot].z = words.z;
+    shapes[slot].w = words.w;
+}

@@ -1,0 +1,306 @@
+//! `render --budget` and `--max-error`: settings chosen from what was measured on this machine, for this scene and view.
+//!
+//! Measurements are kept in the user's cache folder, one file for each machine (adapter, driver, program), scene (a digest of
+//! all that is drawn), view, size and look. When any of them changes, another file is meant, and it is measured anew.
+
+use std::hash::{DefaultHasher, Hasher};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use clap::Args;
+use serde::{Deserialize, Serialize};
+
+use super::failure::{Exit, Failure};
+use super::output::{self, Progress};
+use crate::gpu::{AdapterFacts, Gpu, GpuOptions};
+use crate::math::Camera;
+use crate::scene::Scene;
+use crate::settings::Settings;
+use crate::tradeoff::budget::{BudgetError, Choice, Goal, Measurements, Options, choose};
+use crate::tradeoff::report::COMMIT;
+use crate::tradeoff::workbench::RendererBench;
+
+/// Options of `render` that choose settings.
+#[derive(Args, Clone, Debug, Default)]
+#[command(next_help_heading = "Promise")]
+pub struct BudgetArgs {
+    /// As accurate as possible within this time a frame, as in 33ms or 0.5s: technique, resolution and samples are chosen
+    #[arg(long, value_name = "TIME", value_parser = milliseconds, conflicts_with_all = ["max_error", "compare"])]
+    pub budget: Option<f64>,
+    /// As fast as possible below this error: mean FLIP, 0 to 1, against the exact picture with 16 samples a pixel
+    #[arg(long, value_name = "FLIP", value_parser = flip, conflicts_with = "compare")]
+    pub max_error: Option<f64>,
+    /// Time for measuring what is not known yet, seconds
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=86_400), default_value_t = 300)]
+    pub measure_seconds: u64,
+    /// Measure again what is known
+    #[arg(long)]
+    pub remeasure: bool,
+}
+
+impl BudgetArgs {
+    /// What is promised, if anything is.
+    pub fn goal(&self) -> Option<Goal> {
+        self.budget.map(Goal::Time).or(self.max_error.map(Goal::Error))
+    }
+}
+
+fn milliseconds(text: &str) -> Result<f64, String> {
+    let (number, unit) = match (text.strip_suffix("ms"), text.strip_suffix('s')) {
+        (Some(number), _) => (number, 1.0),
+        (None, Some(number)) => (number, 1000.0),
+        (None, None) => return Err("expected a time with its unit, as in 33ms or 0.5s".to_owned()),
+    };
+    let time = number.trim().parse::<f64>().ok().map(|n| n * unit).filter(|t| t.is_finite() && *t > 0.0);
+    time.ok_or_else(|| "expected a time above 0, as in 33ms or 0.5s".to_owned())
+}
+
+fn flip(text: &str) -> Result<f64, String> {
+    let error = text.parse::<f64>().ok().filter(|e| (0.0..=1.0).contains(e));
+    error.ok_or_else(|| "expected a mean FLIP from 0 to 1, as in 0.01".to_owned())
+}
+
+/// Everything that measurements depend on.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct Key {
+    program: String,
+    adapter: Vec<String>,
+    cores: usize,
+    scene: u64,
+    camera: Camera,
+    size: [u32; 2],
+    background: Option<[f32; 3]>,
+    look: Settings,
+}
+
+impl Key {
+    fn new(scene: &Scene, camera: &Camera, settings: &Settings, facts: &AdapterFacts, options: &Options) -> Key {
+        // Another build may be another program under the same version.
+        let built = std::env::current_exe().and_then(std::fs::metadata).map(|m| (m.len(), m.modified().ok()));
+        let AdapterFacts { name, driver, driver_info, backend, device_type, .. } = facts;
+        Key {
+            program: format!("{} {} {built:?}", env!("CARGO_PKG_VERSION"), COMMIT.unwrap_or_default()),
+            adapter: [name, driver, driver_info, backend, device_type].map(Clone::clone).to_vec(),
+            cores: std::thread::available_parallelism().map_or(1, std::num::NonZero::get),
+            scene: scene.digest(),
+            camera: *camera,
+            size: options.size,
+            background: options.background,
+            look: settings.clone(),
+        }
+    }
+
+    fn file_name(&self) -> String {
+        let mut hasher = DefaultHasher::new();
+        hasher.write(serde_json::to_string(self).unwrap_or_default().as_bytes());
+        format!("{:016x}.json", hasher.finish())
+    }
+}
+
+/// A file in the cache.
+#[derive(Serialize, Deserialize)]
+struct Kept {
+    /// Of what.
+    key: Key,
+    measurements: Measurements,
+}
+
+/// The folder for measurements: `$XDG_CACHE_HOME/pellucid/measurements` or what the system uses instead.
+fn cache_folder() -> Option<PathBuf> {
+    directories::ProjectDirs::from("", "", "pellucid").map(|d| d.cache_dir().join("measurements"))
+}
+
+fn read(path: &Path, key: &Key) -> Option<Measurements> {
+    let kept: Kept = serde_json::from_slice(&std::fs::read(path).ok()?).ok()?;
+    (kept.key == *key).then_some(kept.measurements)
+}
+
+fn write(path: &Path, key: &Key, measurements: Measurements) -> Result<(), Failure> {
+    let folder = path.parent().unwrap_or(Path::new("."));
+    std::fs::create_dir_all(folder).map_err(|e| Failure::about(Exit::General, folder.display(), &e))?;
+    output::write(path, output::json(&Kept { key: key.clone(), measurements })?.as_bytes())
+}
+
+/// Settings for a promise, and what to tell of them.
+pub struct Chosen {
+    /// What was chosen.
+    pub choice: Choice,
+    /// In words.
+    pub sentence: String,
+}
+
+/// Chooses settings for `goal`, measures what is not known yet and keeps it.
+///
+/// # Errors
+/// [`Failure`] of the adapter or the renderer, if nothing can be drawn.
+pub fn chosen(
+    args: &BudgetArgs,
+    goal: Goal,
+    scene: &Scene,
+    camera: &Camera,
+    settings: &Settings,
+    (size, background): ([u32; 2], Option<[f32; 3]>),
+    progress: &Progress,
+) -> Result<Chosen, Failure> {
+    let options = Options { size, background, limit: Duration::from_secs(args.measure_seconds) };
+    let gpu = Gpu::new(&GpuOptions::default()).map_err(|e| Failure::of(Exit::NoAdapter, &e))?;
+    let key = Key::new(scene, camera, settings, gpu.facts(), &options);
+    let path = cache_folder().map(|folder| folder.join(key.file_name()));
+    let known = path.as_ref().filter(|_| !args.remeasure).and_then(|path| read(path, &key));
+    let mut measurements = known.clone().unwrap_or_default();
+    let mut bench = RendererBench::new(&gpu, scene, camera).map_err(super::render::failed)?;
+    let mut count = 0;
+    let choice = choose(&mut bench, settings, goal, &options, &mut measurements, &mut |name| {
+        count += 1;
+        progress.stage(&format!("measuring, frame {count}: {name}"));
+    })
+    .map_err(failed)?;
+    let fresh = known.as_ref() != Some(&measurements);
+    if let Some(path) = path.as_ref().filter(|_| fresh) {
+        // A picture is worth more than a cache.
+        if let Err(failure) = write(path, &key, measurements) {
+            progress.say(&format!("measurements are not kept: {}", failure.message));
+        }
+    }
+    let source = match (fresh, &path) {
+        (true, _) => format!("measured now in {count} frames"),
+        (false, Some(path)) => format!("measured before: {}", path.display()),
+        (false, None) => "measured before".to_owned(),
+    };
+    let sentence = sentence(goal, &choice, &source);
+    Ok(Chosen { choice, sentence })
+}
+
+/// The failure that an error of a choice is.
+pub fn failed(error: BudgetError) -> Failure {
+    match error {
+        BudgetError::Render(e) => super::render::failed(e),
+        e => Failure::of(Exit::General, &e),
+    }
+}
+
+/// What is promised, in words.
+pub fn promise(goal: Goal) -> String {
+    match goal {
+        Goal::Time(limit) => format!("within {} ms", (limit * 1000.0).round() / 1000.0),
+        Goal::Error(limit) => format!("below FLIP {limit}"),
+    }
+}
+
+fn sentence(goal: Goal, choice: &Choice, source: &str) -> String {
+    let Choice { name, flip, time, compared, reason, kept, cut_short, .. } = choice;
+    let promise = promise(goal);
+    let verdict = if *kept { String::new() } else { ", WHICH DOES NOT KEEP THE PROMISE".to_owned() };
+    let short = if *cut_short { "; the time for measuring ended early (--measure-seconds)" } else { "" };
+    format!(
+        "{promise}: '{name}'{verdict}, {:.1} ms a frame ({:.1} to {:.1}, {} frames), FLIP {flip:.4}; {reason}; {compared} \
+         configurations compared, {source}{short}",
+        time.median, time.low, time.high, time.count
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::builtin;
+    use crate::tradeoff::budget::Entry;
+
+    #[test]
+    fn times_and_errors_parse_strictly() {
+        assert_eq!(
+            (milliseconds("33ms"), milliseconds("0.5s"), milliseconds("2 s")),
+            (Ok(33.0), Ok(500.0), Ok(2000.0))
+        );
+        for bad in ["33", "ms", "-1ms", "0ms", "NaNms", "infs", "1m", ""] {
+            assert!(milliseconds(bad).is_err(), "{bad}");
+        }
+        assert_eq!((flip("0.01"), flip("1")), (Ok(0.01), Ok(1.0)));
+        assert!(["-0.1", "1.1", "NaN", "1%"].iter().all(|bad| flip(bad).is_err()));
+    }
+
+    fn facts(name: &str) -> AdapterFacts {
+        AdapterFacts {
+            name: name.to_owned(),
+            driver: "driver".to_owned(),
+            driver_info: "1".to_owned(),
+            backend: "vulkan".to_owned(),
+            device_type: "Cpu".to_owned(),
+            features: Vec::new(),
+            limits: Vec::new(),
+            capabilities: crate::plan::Capabilities::default(),
+            unusable: None,
+        }
+    }
+
+    #[test]
+    fn measurements_are_kept_for_one_machine_scene_view_and_look() {
+        let folder = tempfile::tempdir().unwrap();
+        let scene = builtin::build("quads?layers=2&parts=1").unwrap();
+        let camera = |angle| {
+            let (direction, up) = (glam::DVec3::NEG_Z, glam::DVec3::Y);
+            Camera::framing(&scene.bounds(), direction, up, 1.0, 0.9, false, 0.1 + 0.2).azimuth(angle)
+        };
+        let options = Options { size: [8, 8], background: Some([0.1; 3]), limit: Duration::ZERO };
+        let settings = Settings::default();
+        let key = Key::new(&scene, &camera(33.3), &settings, &facts("a"), &options);
+        let entry = Entry {
+            name: "k=4".to_owned(),
+            settings: settings.clone(),
+            scale: 0.1875,
+            error: None,
+            frames: vec![0.1 + 0.2],
+            refused: None,
+        };
+        let measurements = Measurements { entries: vec![entry] };
+        let path = folder.path().join("deep").join(key.file_name());
+        assert_eq!(read(&path, &key), None);
+        write(&path, &key, measurements.clone()).unwrap();
+        assert_eq!(read(&path, &key), Some(measurements), "as it was written");
+
+        let mut look = settings.clone();
+        look.light.key = 3.0;
+        let mut other = scene.clone();
+        other.parts[0].world_from_part.w_axis.y = 0.5;
+        let others = [
+            Key::new(&scene, &camera(33.3), &settings, &facts("b"), &options),
+            Key::new(&scene, &camera(33.4), &settings, &facts("a"), &options),
+            Key::new(&scene, &camera(33.3), &look, &facts("a"), &options),
+            Key::new(&other, &camera(33.3), &settings, &facts("a"), &options),
+            Key::new(&scene, &camera(33.3), &settings, &facts("a"), &Options { size: [8, 9], ..options }),
+        ];
+        for other in others {
+            assert!(other.file_name() != key.file_name() && read(&path, &other).is_none(), "{other:?}");
+        }
+        std::fs::write(&path, "{").unwrap();
+        assert_eq!(read(&path, &key), None, "a broken file is no file");
+    }
+
+    #[test]
+    fn a_choice_is_told_with_its_reason() {
+        let choice = Choice {
+            name: "k=8, resolution=0.5".to_owned(),
+            settings: Settings::default(),
+            scale: 0.5,
+            flip: 0.021,
+            time: crate::tradeoff::statistics::Estimate { median: 28.0, low: 27.0, high: 30.04, count: 7 },
+            asked: 90.0,
+            kept: true,
+            compared: 23,
+            cut_short: false,
+            reason: "'k=8', with FLIP 0.0100, takes 60.0 ms".to_owned(),
+        };
+        let text = sentence(Goal::Time(33.0), &choice, "measured now in 9 frames");
+        assert_eq!(
+            text,
+            "within 33 ms: 'k=8, resolution=0.5', 28.0 ms a frame (27.0 to 30.0, 7 frames), FLIP 0.0210; 'k=8', with FLIP \
+             0.0100, takes 60.0 ms; 23 configurations compared, measured now in 9 frames"
+        );
+        let broken = Choice { kept: false, cut_short: true, ..choice };
+        let text = sentence(Goal::Error(0.001), &broken, "measured now in 9 frames");
+        assert!(
+            text.contains("below FLIP 0.001")
+                && text.contains("DOES NOT KEEP")
+                && text.ends_with("early (--measure-seconds)")
+        );
+    }
+}

@@ -1,0 +1,520 @@
+//! Settings chosen by a promise: as accurate as possible within a time, or as fast as possible below an error.
+//!
+//! What is chosen was measured, on this machine, for this scene and view ([`Measurements`], which may be kept between runs).
+//! Every candidate is judged by one reference, the supersampled exact picture, so that a missing layer and a jagged edge count
+//! on one scale: mean FLIP. Two steps:
+//!
+//! 1. **Techniques.** The configurations of every axis but those of look, at the size asked for with one sample a pixel.
+//!    Those that no other beats in both time and error go on, at most [`MOST_TECHNIQUES`] of them.
+//! 2. **Density.** Each of them with fewer pixels (enlarged to the size asked for) or more samples. Time grows and error falls
+//!    with density: for a time, the densest that fits is searched outwards from where proportion puts it; for an error, the
+//!    sparsest that suffices by halving.
+//!
+//! A time fits if the upper end of its 95 % interval does. That is a promise about a machine that stays as busy as it was; the
+//! error is deterministic. Where nothing keeps the promise, what comes closest is chosen, and said so.
+
+use std::time::{Duration, Instant};
+
+use serde::{Deserialize, Serialize};
+
+use super::axis::{self, AxisError, Configuration, Judge};
+use super::diagram::{Point, pareto_front};
+use super::image_error::{self, ImageError};
+use super::reference;
+use super::statistics::{Estimate, estimate, median};
+use super::workbench::{Lane, Wanted, Workbench};
+use crate::math::LinearImage;
+use crate::render::RenderError;
+use crate::settings::{Effect, Settings};
+
+/// Techniques that are tried at several densities.
+pub const MOST_TECHNIQUES: usize = 4;
+/// Timed frames behind a first impression.
+const FRAMES: usize = 3;
+/// Timed frames behind a promise: from six on an interval can hold 95 % (see `statistics`).
+const PROMISED_FRAMES: usize = 7;
+
+/// Densities in ascending order: factor of the size, samples a pixel.
+const DENSITIES: &[(f64, u32)] = &[
+    (0.125, 1),
+    (0.1875, 1),
+    (0.25, 1),
+    (0.375, 1),
+    (0.5, 1),
+    (0.625, 1),
+    (0.75, 1),
+    (0.875, 1),
+    (1.0, 1),
+    (1.0, 2),
+    (1.0, 3),
+    (1.0, 4),
+    (1.0, 6),
+    (1.0, 8),
+];
+/// The size asked for, one sample.
+const PLAIN: usize = 8;
+
+/// What is promised.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Goal {
+    /// A frame takes at most this long, milliseconds of wall time from settings to picture.
+    Time(f64),
+    /// Mean FLIP against the supersampled reference is at most this, 0 to 1.
+    Error(f64),
+}
+
+/// How it is measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// Size of the picture, pixels.
+    pub size: [u32; 2],
+    /// What is behind the picture, linear light.
+    pub background: Option<[f32; 3]>,
+    /// Time for measuring: after it no further candidate is begun.
+    pub limit: Duration,
+}
+
+/// What is known of one candidate.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Entry {
+    /// What differs from what was asked for.
+    pub name: String,
+    /// Its settings.
+    pub settings: Settings,
+    /// Factor of the size of the picture.
+    pub scale: f64,
+    /// Errors against the supersampled reference.
+    pub error: Option<ImageError>,
+    /// Wall time of frames, milliseconds.
+    pub frames: Vec<f64>,
+    /// Why it could not be drawn.
+    pub refused: Option<String>,
+}
+
+impl Entry {
+    fn is_measured(&self) -> bool {
+        self.error.is_some() && !self.frames.is_empty()
+    }
+}
+
+/// What is known so far of a scene and view on a machine.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Measurements {
+    /// The candidates, in the order in which they were first drawn.
+    pub entries: Vec<Entry>,
+}
+
+/// What was chosen and why.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Choice {
+    /// What differs from what was asked for.
+    pub name: String,
+    /// Its settings.
+    #[serde(skip)]
+    pub settings: Settings,
+    /// Factor of the size of the picture.
+    pub scale: f64,
+    /// Mean FLIP.
+    pub flip: f64,
+    /// Time of a frame, milliseconds.
+    pub time: Estimate,
+    /// First impression of the time of what was asked for, with one sample, milliseconds.
+    pub asked: f64,
+    /// Whether the promise holds.
+    pub kept: bool,
+    /// Candidates that were compared.
+    pub compared: usize,
+    /// Whether the time for measuring ended before everything was compared.
+    pub cut_short: bool,
+    /// Why not the next better one.
+    pub reason: String,
+}
+
+/// Why nothing could be chosen.
+#[derive(Debug, thiserror::Error)]
+pub enum BudgetError {
+    /// Neither the reference nor anything else can be drawn.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    /// A declaration is wrong.
+    #[error(transparent)]
+    Axis(#[from] AxisError),
+    /// Every candidate was refused.
+    #[error("none of {candidates} configurations can be drawn; the first: {first}")]
+    NothingDrawn {
+        /// How many were tried.
+        candidates: usize,
+        /// Why the first was refused.
+        first: String,
+    },
+}
+
+struct Chooser<'a> {
+    bench: &'a mut dyn Workbench,
+    options: &'a Options,
+    base: &'a Settings,
+    reference: Option<LinearImage>,
+    measured: &'a mut Measurements,
+    /// The candidate whose buffers are ready.
+    warm: Option<usize>,
+    end: Instant,
+    cut_short: bool,
+    progress: &'a mut dyn FnMut(&str),
+}
+
+/// Chooses settings for `goal` around `base`, measuring what `measured` does not have yet and adding it there.
+///
+/// # Errors
+/// [`BudgetError`] if nothing can be drawn.
+pub fn choose(
+    bench: &mut dyn Workbench,
+    base: &Settings,
+    goal: Goal,
+    options: &Options,
+    measured: &mut Measurements,
+    progress: &mut dyn FnMut(&str),
+) -> Result<Choice, BudgetError> {
+    let mut chooser = Chooser {
+        bench,
+        options,
+        base,
+        reference: None,
+        measured,
+        warm: None,
+        end: Instant::now() + options.limit,
+        cut_short: false,
+        progress,
+    };
+    for technique in chooser.techniques()? {
+        match goal {
+            Goal::Time(limit) => chooser.densest_within(&technique, limit)?,
+            Goal::Error(limit) => chooser.sparsest_below(&technique, limit)?,
+        }
+    }
+    chooser.decide(goal)
+}
+
+/// The configurations of step 1: one sample a pixel, every axis but look and sampling.
+fn technique_configurations(base: &Settings) -> Result<Vec<Configuration>, AxisError> {
+    let mut base = base.clone();
+    base.image.samples = 1;
+    let axes: Vec<_> =
+        axis::all().into_iter().filter(|a| !matches!(a.effect, Effect::Look | Effect::Sampling)).collect();
+    let mut all = axis::configurations(&base, &axes)?;
+    all.retain(|c| c.judge == Judge::Exact);
+    Ok(all)
+}
+
+/// A configuration at a density.
+fn at_density(configuration: &Configuration, density: usize) -> Entry {
+    let (scale, samples) = DENSITIES[density];
+    let mut settings = configuration.settings.clone();
+    settings.image.samples = samples;
+    let mut name = configuration.name.clone();
+    if scale != 1.0 {
+        name += &format!(", resolution={scale}");
+    }
+    if samples != 1 {
+        name += &format!(", samples={samples}");
+    }
+    Entry { name, settings, scale, error: None, frames: Vec::new(), refused: None }
+}
+
+/// Pixels times samples, over the plain picture's.
+fn relative_density(density: usize) -> f64 {
+    let (scale, samples) = DENSITIES[density];
+    scale * scale * f64::from(samples)
+}
+
+impl Chooser<'_> {
+    /// The place of a candidate in the measurements.
+    fn enter(&mut self, entry: Entry) -> usize {
+        let same = |e: &Entry| e.settings == entry.settings && e.scale == entry.scale;
+        self.measured.entries.iter().position(same).unwrap_or_else(|| {
+            self.measured.entries.push(entry);
+            self.measured.entries.len() - 1
+        })
+    }
+
+    fn drawn_size(&self, at: usize) -> [u32; 2] {
+        let scale = self.measured.entries[at].scale;
+        self.options.size.map(|s| ((f64::from(s) * scale).round() as u32).max(1))
+    }
+
+    /// Draws a candidate once; `None` where that is refused.
+    fn draw(&mut self, at: usize) -> Option<(f64, LinearImage)> {
+        let size = self.drawn_size(at);
+        let settings = self.measured.entries[at].settings.clone();
+        (self.progress)(&self.measured.entries[at].name.clone());
+        match self.bench.draw(Lane::Candidate, &settings, size, Wanted::default()) {
+            Ok(drawn) => {
+                self.warm = Some(at);
+                Some((drawn.milliseconds, drawn.image))
+            }
+            Err(e) => {
+                self.measured.entries[at].refused = Some(e.to_string());
+                None
+            }
+        }
+    }
+
+    /// Whether there is time for another candidate. The first is measured in any case.
+    fn may_go_on(&mut self) -> bool {
+        let time_is_left = Instant::now() < self.end;
+        self.cut_short |= !time_is_left;
+        time_is_left || !self.measured.entries.iter().any(Entry::is_measured)
+    }
+
+    /// The first impression of a candidate's time: what later frames say changes no earlier decision.
+    fn impression(&self, at: usize) -> Option<Estimate> {
+        let frames = &self.measured.entries[at].frames;
+        estimate(&frames[..frames.len().min(FRAMES)], 1)
+    }
+
+    /// Mean FLIP of a candidate, drawn if it is not known.
+    fn error(&mut self, at: usize) -> Result<Option<f64>, RenderError> {
+        let entry = &self.measured.entries[at];
+        if let Some(error) = entry.error {
+            return Ok(Some(error.flip_mean));
+        }
+        if entry.refused.is_some() || !self.may_go_on() {
+            return Ok(None);
+        }
+        let Some((_, image)) = self.draw(at) else { return Ok(None) };
+        let reference = match self.reference.take() {
+            Some(reference) => reference,
+            None => {
+                (self.progress)("reference");
+                let mut settings = reference::supersampled(self.base, &axis::all()).unwrap_or_default();
+                let most = DENSITIES.iter().map(|d| d.1).fold(1, u32::max);
+                settings.image.samples = settings.image.samples.max(2 * most);
+                self.warm = None;
+                self.bench.draw(Lane::Baseline, &settings, self.options.size, Wanted::default())?.image
+            }
+        };
+        let image = image_error::resized(&image, self.options.size);
+        let error = image_error::compare(&image, &reference, self.options.background).ok().map(|map| map.error);
+        self.reference = Some(reference);
+        self.measured.entries[at].error = error;
+        Ok(error.map(|e| e.flip_mean))
+    }
+
+    /// Time of a candidate from at least so many frames; fewer, if a frame takes longer than `hopeless` milliseconds.
+    fn time(&mut self, at: usize, frames: usize, hopeless: f64) -> Option<Estimate> {
+        let entry = &self.measured.entries[at];
+        let missing = frames.saturating_sub(entry.frames.len());
+        let known_hopeless = median(&entry.frames).is_some_and(|m| m > hopeless);
+        if entry.refused.is_none() && missing > 0 && !known_hopeless && self.may_go_on() {
+            if self.warm != Some(at) {
+                // The first frame may compile shaders and make buffers.
+                self.draw(at)?;
+            }
+            for _ in 0..missing {
+                let (took, _) = self.draw(at)?;
+                self.measured.entries[at].frames.push(took);
+                if took > hopeless {
+                    break;
+                }
+            }
+        }
+        estimate(&self.measured.entries[at].frames, 1)
+    }
+
+    fn nothing_drawn(&self) -> BudgetError {
+        let entries = &self.measured.entries;
+        let first = entries.iter().find_map(|e| e.refused.clone()).unwrap_or_default();
+        BudgetError::NothingDrawn { candidates: entries.len(), first }
+    }
+
+    /// Step 1: the techniques that no other beats, fastest first.
+    fn techniques(&mut self) -> Result<Vec<Configuration>, BudgetError> {
+        let all = technique_configurations(self.base)?;
+        let mut points = Vec::new();
+        for (i, configuration) in all.iter().enumerate() {
+            let at = self.enter(at_density(configuration, PLAIN));
+            let Some(error) = self.error(at)? else { continue };
+            self.time(at, FRAMES, f64::INFINITY);
+            let Some(time) = self.impression(at) else { continue };
+            points.push((i, Point { label: String::new(), time: [time.low, time.median, time.high], error }));
+        }
+        if points.is_empty() {
+            return Err(self.nothing_drawn());
+        }
+        let on_front = pareto_front(&points.iter().map(|(_, p)| p.clone()).collect::<Vec<_>>());
+        let mut front: Vec<(usize, Point)> =
+            points.into_iter().zip(on_front).filter(|(_, f)| *f).map(|(p, _)| p).collect();
+        front.sort_by(|a, b| a.1.time[1].total_cmp(&b.1.time[1]));
+        // Of equals the first.
+        front.dedup_by(|b, a| a.1.error == b.1.error);
+        let last = front.len() - 1;
+        let kept = MOST_TECHNIQUES.min(front.len());
+        let spread = (0..kept).map(|i| front[if kept == 1 { 0 } else { i * last / (kept - 1) }].0);
+        Ok(spread.map(|i| all[i].clone()).collect())
+    }
+
+    /// Step 2 for a time: measures around the densest that fits.
+    fn densest_within(&mut self, technique: &Configuration, limit: f64) -> Result<(), RenderError> {
+        let plain = self.enter(at_density(technique, PLAIN));
+        let Some(time) = self.impression(plain) else { return Ok(()) };
+        let fits_by_proportion = |d: &usize| relative_density(*d) * time.median <= limit;
+        let mut density = (0..DENSITIES.len()).rev().find(fits_by_proportion).unwrap_or(0);
+        let mut last_fitted = None;
+        loop {
+            let at = self.enter(at_density(technique, density));
+            let fits = self.time(at, PROMISED_FRAMES, 1.5 * limit).is_some_and(|t| t.high <= limit);
+            self.error(at)?;
+            match (fits, last_fitted) {
+                // Up as long as it fits, then the last was the densest; down until one fits.
+                (true, Some(false)) | (false, Some(true)) => break,
+                (true, _) if density + 1 < DENSITIES.len() => density += 1,
+                (false, _) if density > 0 => density -= 1,
+                _ => break,
+            }
+            last_fitted = Some(fits);
+        }
+        Ok(())
+    }
+
+    /// Step 2 for an error: measures around the sparsest that suffices.
+    fn sparsest_below(&mut self, technique: &Configuration, limit: f64) -> Result<(), RenderError> {
+        let mut tried = Vec::new();
+        // All below `low` are too wrong, all from `high` on suffice, if error falls with density.
+        let (mut low, mut high) = (0, DENSITIES.len());
+        let mut next = PLAIN;
+        while low < high {
+            let at = self.enter(at_density(technique, next));
+            let Some(error) = self.error(at)? else { break };
+            tried.push(at);
+            if error <= limit {
+                high = next
+            } else {
+                low = next + 1
+            }
+            next = (low + high) / 2;
+        }
+        // Only what suffices need be timed; without any, what comes closest is chosen by its error.
+        for &at in &tried {
+            let suffices = self.measured.entries[at].error.is_some_and(|e| e.flip_mean <= limit);
+            self.time(at, if suffices { PROMISED_FRAMES } else { 1 }, f64::INFINITY);
+        }
+        Ok(())
+    }
+
+    fn decide(&self, goal: Goal) -> Result<Choice, BudgetError> {
+        struct Candidate {
+            at: usize,
+            flip: f64,
+            time: Estimate,
+        }
+        let found: Vec<Candidate> = self
+            .measured
+            .entries
+            .iter()
+            .enumerate()
+            .filter_map(|(at, entry)| {
+                Some(Candidate { at, flip: entry.error?.flip_mean, time: estimate(&entry.frames, 1)? })
+            })
+            .collect();
+        let keeps = |c: &Candidate| match goal {
+            // A single frame has no interval and promises nothing.
+            Goal::Time(limit) => c.time.high <= limit && c.time.count >= PROMISED_FRAMES,
+            Goal::Error(limit) => c.flip <= limit,
+        };
+        let (flip, time) = (|c: &Candidate| c.flip, |c: &Candidate| c.time.median);
+        let least = |of: &[&Candidate], by: [&dyn Fn(&Candidate) -> f64; 2]| {
+            let key = |c: &Candidate| (by[0](c), by[1](c));
+            of.iter().min_by(|a, b| key(a).partial_cmp(&key(b)).unwrap_or(std::cmp::Ordering::Equal)).map(|c| c.at)
+        };
+        let kept: Vec<&Candidate> = found.iter().filter(|c| keeps(c)).collect();
+        let all: Vec<&Candidate> = found.iter().collect();
+        let chosen = match (goal, kept.is_empty()) {
+            (Goal::Time(_), false) => least(&kept, [&flip, &time]),
+            (Goal::Error(_), false) => least(&kept, [&time, &flip]),
+            (Goal::Time(_), true) => least(&all, [&time, &flip]),
+            (Goal::Error(_), true) => least(&all, [&flip, &time]),
+        };
+        let Some(chosen) = found.iter().find(|c| Some(c.at) == chosen) else {
+            return Err(self.nothing_drawn());
+        };
+        let others: Vec<&Candidate> = all.iter().copied().filter(|c| !keeps(c)).collect();
+        let name = |at: usize| &self.measured.entries[at].name;
+        let reason = match (goal, kept.is_empty()) {
+            (Goal::Time(_), false) => {
+                let better = others.iter().filter(|c| c.flip < chosen.flip).min_by(|a, b| time(a).total_cmp(&time(b)));
+                better.map_or_else(
+                    || "nothing more accurate was found".to_owned(),
+                    |c| format!("'{}', with FLIP {:.4}, takes {:.1} ms", name(c.at), c.flip, c.time.median),
+                )
+            }
+            (Goal::Error(_), false) => {
+                let faster =
+                    others.iter().filter(|c| time(c) < time(chosen)).min_by(|a, b| flip(a).total_cmp(&flip(b)));
+                faster.map_or_else(
+                    || "nothing faster was found".to_owned(),
+                    |c| format!("'{}', {:.1} ms, has FLIP {:.4}", name(c.at), c.time.median, c.flip),
+                )
+            }
+            (Goal::Time(_), true) => "the fastest found; nothing fits".to_owned(),
+            (Goal::Error(_), true) => "the most accurate found; nothing suffices".to_owned(),
+        };
+        let entry = &self.measured.entries[chosen.at];
+        Ok(Choice {
+            name: entry.name.clone(),
+            settings: entry.settings.clone(),
+            scale: entry.scale,
+            flip: chosen.flip,
+            time: chosen.time,
+            asked: self.impression(0).map_or(f64::NAN, |t| t.median),
+            kept: !kept.is_empty(),
+            compared: found.len(),
+            cut_short: self.cut_short,
+            reason,
+        })
+    }
+}
+
+/// What a choice is worth when it is measured again.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Afresh {
+    /// Mean FLIP.
+    pub flip: f64,
+    /// Time of a frame, milliseconds.
+    pub time: Estimate,
+}
+
+/// Measures a choice again, with nothing known: the error against a reference drawn anew, the time over as many frames as the
+/// promise had.
+///
+/// # Errors
+/// [`BudgetError`] if it cannot be drawn.
+pub fn afresh(
+    bench: &mut dyn Workbench,
+    base: &Settings,
+    choice: &Choice,
+    options: &Options,
+) -> Result<Afresh, BudgetError> {
+    let Choice { name, settings, scale, .. } = choice.clone();
+    let entry = Entry { name, settings, scale, error: None, frames: Vec::new(), refused: None };
+    let mut measured = Measurements { entries: vec![entry] };
+    let mut chooser = Chooser {
+        bench,
+        options,
+        base,
+        reference: None,
+        measured: &mut measured,
+        warm: None,
+        end: Instant::now() + options.limit,
+        cut_short: false,
+        progress: &mut |_| {},
+    };
+    let flip = chooser.error(0)?;
+    let time = chooser.time(0, PROMISED_FRAMES, f64::INFINITY);
+    match (flip, time) {
+        (Some(flip), Some(time)) => Ok(Afresh { flip, time }),
+        _ => Err(chooser.nothing_drawn()),
+    }
+}
+
+#[cfg(test)]
+#[path = "budget_tests.rs"]
+mod tests;
