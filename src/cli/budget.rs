@@ -15,6 +15,7 @@ use super::output::{self, Progress};
 use crate::gpu::{AdapterFacts, Gpu, GpuOptions};
 use crate::math::Camera;
 use crate::scene::Scene;
+use crate::scene::arrangement::Arrangement;
 use crate::settings::Settings;
 use crate::tradeoff::budget::{BudgetError, Choice, Goal, Measurements, Options, choose};
 use crate::tradeoff::report::COMMIT;
@@ -67,6 +68,8 @@ struct Key {
     adapter: Vec<String>,
     cores: usize,
     scene: u64,
+    /// How its parts are shown.
+    arrangement: String,
     camera: Camera,
     size: [u32; 2],
     background: Option<[f32; 3]>,
@@ -83,6 +86,7 @@ impl Key {
             adapter: [name, driver, driver_info, backend, device_type].map(Clone::clone).to_vec(),
             cores: std::thread::available_parallelism().map_or(1, std::num::NonZero::get),
             scene: scene.digest(),
+            arrangement: String::new(),
             camera: *camera,
             size: options.size,
             background: options.background,
@@ -136,7 +140,7 @@ pub struct Chosen {
 pub fn chosen(
     args: &BudgetArgs,
     goal: Goal,
-    scene: &Scene,
+    (scene, arrangement): (&Scene, &Arrangement),
     camera: &Camera,
     settings: &Settings,
     (size, background): ([u32; 2], Option<[f32; 3]>),
@@ -144,11 +148,11 @@ pub fn chosen(
 ) -> Result<Chosen, Failure> {
     let options = Options { size, background, limit: Duration::from_secs(args.measure_seconds) };
     let gpu = Gpu::new(&GpuOptions::default()).map_err(|e| Failure::of(Exit::NoAdapter, &e))?;
-    let key = Key::new(scene, camera, settings, gpu.facts(), &options);
+    let key = Key { arrangement: format!("{arrangement:?}"), ..Key::new(scene, camera, settings, gpu.facts(), &options) };
     let path = cache_folder().map(|folder| folder.join(key.file_name()));
     let known = path.as_ref().filter(|_| !args.remeasure).and_then(|path| read(path, &key));
     let mut measurements = known.clone().unwrap_or_default();
-    let mut bench = RendererBench::new(&gpu, scene, camera).map_err(super::render::failed)?;
+    let mut bench = RendererBench::arranged(&gpu, scene, arrangement, camera).map_err(super::render::failed)?;
     let mut count = 0;
     let choice = choose(&mut bench, settings, goal, &options, &mut measurements, &mut |name| {
         count += 1;

@@ -16,11 +16,8 @@ mod options;
 mod output;
 mod render;
 mod tradeoff;
-<<<<<<< HEAD
-mod view;
-=======
 mod transfer;
->>>>>>> main
+mod view;
 
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
@@ -194,15 +191,9 @@ fn render(args: &RenderArgs) -> Result<(), Failure> {
             format!("--output {}: pictures are written as PNG, so the name must end in .png", output.display());
         return Err(Failure::new(Exit::Usage, message));
     }
-<<<<<<< HEAD
     let asked = args.view.asked()?;
     let background = parse_background(&asked.settings.image.background).map_err(|e| Failure::new(Exit::Usage, e))?;
-    let takes = takes(asked.settings.clone(), args.compare)?;
-=======
-    let settings = look.settings()?;
-    let background = parse_background(&settings.image.background).map_err(|e| Failure::new(Exit::Usage, e))?;
-    let mut takes = takes(settings, args.compare)?;
->>>>>>> main
+    let mut takes = takes(asked.settings.clone(), args.compare)?;
     let reference = args.reference.as_deref().map(read_reference).transpose()?;
 
     let progress = Progress::new();
@@ -215,13 +206,10 @@ fn render(args: &RenderArgs) -> Result<(), Failure> {
     }
     let (file, size, camera) = (&seen.file, &seen.size, camera_in_scene(&seen.camera, &scene));
     progress.stage("starting the adapter");
-<<<<<<< HEAD
-    let mut session = Session::open_arranged(&scene, &seen.arrangement)?;
-=======
     let chosen = match args.budget.goal() {
         Some(goal) => {
             let picture = (*size, background);
-            let chosen = budget::chosen(&args.budget, goal, &scene, &camera, &takes[0].settings, picture, &progress)?;
+            let chosen = budget::chosen(&args.budget, goal, (&scene, &seen.arrangement), &camera, &takes[0].settings, picture, &progress)?;
             progress.say(&format!("{file}: {}", chosen.sentence));
             takes[0].settings = chosen.choice.settings.clone();
             Some(chosen.choice)
@@ -230,8 +218,7 @@ fn render(args: &RenderArgs) -> Result<(), Failure> {
     };
     let scale = chosen.as_ref().map_or(1.0, |c| c.scale);
     let drawn_size = size.map(|s| ((f64::from(s) * scale).round() as u32).max(1));
-    let mut session = Session::open(&scene)?;
->>>>>>> main
+    let mut session = Session::open_arranged(&scene, &seen.arrangement)?;
     let timing = if args.stats.is_some() { session.time_passes() } else { "not measured" };
     let mut images = Vec::new();
     let mut pictures = Vec::new();

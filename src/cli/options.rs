@@ -11,11 +11,8 @@ use super::camera::CameraArgs;
 use super::hard_cases::HardCasesArgs;
 use super::looks::LookArgs;
 use super::tradeoff::TradeoffArgs;
-<<<<<<< HEAD
-use super::view::PartArgs;
-=======
 use super::transfer::TransferArgs;
->>>>>>> main
+use super::view::PartArgs;
 
 /// Shows the inside of 3D models without losing their shape.
 #[derive(Parser, Clone, Debug)]

@@ -3,12 +3,7 @@
 use serde::Serialize;
 
 use super::{Capabilities, Capture, FramePlan, Pass, Refusal, ViewStats};
-<<<<<<< HEAD
-use crate::settings::KeyFormat;
-=======
-use crate::scene::SceneStats;
 use crate::settings::{KeyFormat, NormalEncoding};
->>>>>>> main
 
 /// A buffer that the frame needs.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -165,16 +160,9 @@ pub(super) fn fill(
         }
         Capture::Compacted => {
             let fragments = view.fragments.unwrap_or(LAYERS_EXPECTED * pixels);
-<<<<<<< HEAD
-            let count = (fragments * WIDEST_COLUMN).div_ceil(limit).max(1);
+            let count = (fragments * widest).div_ceil(limit).max(1);
             plan.bands = bands(height, (u64::from(height) / count).max(1) + 2 * u64::from(plan.apron), plan.apron);
-            let in_band = fragments.min(limit / WIDEST_COLUMN);
-=======
-            let bands = (fragments * widest).div_ceil(limit).max(1);
-            plan.bands =
-                equal_bands(height, (u64::from(height) / bands).max(1) + 2 * u64::from(plan.apron), plan.apron);
             let in_band = fragments.min(limit / widest);
->>>>>>> main
             let exact = false;
             // The pixel table has an entry more than there are pixels.
             let most_rows = (limit / 4).saturating_sub(1) / u64::from(width);

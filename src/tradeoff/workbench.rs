@@ -8,6 +8,7 @@ use crate::passes::capture::LayerCounts;
 use crate::plan::Capture;
 use crate::render::{GpuScene, RenderError, Renderer, StoreReadback};
 use crate::scene::Scene;
+use crate::scene::arrangement::Arrangement;
 use crate::settings::Settings;
 
 /// Which renderer draws.
@@ -75,9 +76,23 @@ impl RendererBench {
     /// # Errors
     /// [`RenderError`] of the device.
     pub fn new(gpu: &Gpu, scene: &Scene, camera: &Camera) -> Result<RendererBench, RenderError> {
+        RendererBench::arranged(gpu, scene, &Arrangement::default(), camera)
+    }
+
+    /// The same with parts shown in another way.
+    ///
+    /// # Errors
+    /// [`RenderError`] of the device.
+    pub fn arranged(
+        gpu: &Gpu,
+        scene: &Scene,
+        arrangement: &Arrangement,
+        camera: &Camera,
+    ) -> Result<RendererBench, RenderError> {
         let lane = || {
             let mut renderer = Renderer::new(gpu.clone())?;
-            let loaded = renderer.load(scene)?;
+            let mut loaded = renderer.load(scene)?;
+            renderer.arrange(&mut loaded, scene, arrangement)?;
             Ok::<_, RenderError>((renderer, loaded))
         };
         Ok(RendererBench { lanes: [lane()?, lane()?], camera: *camera })
