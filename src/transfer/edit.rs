@@ -389,7 +389,8 @@ mod tests {
         assert_eq!(moved, 0.9 - LEAST_GAP - 0.5);
         let expected = curve(&[(0.1, 0.2), (0.3 + moved, 1.0), (0.5 + moved, 0.4 + 0.2), (0.9, 1.0)]);
         assert_eq!(points, expected);
-        assert_eq!(shift(&mut points, &[0, 3].into(), -1.0, |v| v), -0.1, "as far as all of them can");
+        assert_eq!(shift(&mut points, &[0, 3].into(), -1.0, |v| v), 0.0, "the last cannot");
+        assert_eq!(shift(&mut points, &[0].into(), -1.0, |v| v), -0.1);
         assert_eq!(shift(&mut points, &[9].into(), f64::INFINITY, |v| v), 0.0);
         let mut points = curve(&[(0.1, 0.2), (0.3, 0.9), (0.5, 0.4)]);
         assert_eq!(remove_all(&mut points, &[0, 1, 2, 9].into()), 2);

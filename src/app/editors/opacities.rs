@@ -75,10 +75,10 @@ pub fn show(
                 }
             });
         }
-        if sign(ui, chosen > 0, "◀", "Nearer curve") {
+        if sign(ui, chosen > 0, "‹", "Nearer curve") {
             state.choose(chosen - 1);
         }
-        if sign(ui, chosen + 1 < curves.len(), "▶", "Farther curve") {
+        if sign(ui, chosen + 1 < curves.len(), "›", "Farther curve") {
             state.choose(chosen + 1);
         }
         ui.separator();
