@@ -74,6 +74,14 @@ need_adapter() {
     [ "$code" -eq 0 ] || fail "no graphics adapter can be used (pellucid adapters exits with $code)"
 }
 
+# A virtual display and hands for it, for the test of the real window. Linux only: elsewhere that test says it is skipped.
+need_virtual_display() {
+    [ "$(uname)" = Linux ] || return 0
+    if ! command -v Xvfb >/dev/null || ! command -v xdotool >/dev/null || ! command -v import >/dev/null; then
+        need "there is no virtual display" xvfb xdotool imagemagick libxkbcommon-x11-0 libxcursor1 libxi6
+    fi
+}
+
 # render_demo FILE: a real assembly, through the importer, to a picture.
 render_demo() {
     mkdir -p "$(dirname -- "$1")"

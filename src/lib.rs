@@ -2,6 +2,9 @@
 //!
 //! Rooms, in the order of their dependencies; ARCHITECTURE.md is the map.
 
+// Output goes through `cli::output`; a line printed elsewhere is a forgotten one.
+#![warn(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro)]
+
 pub mod app;
 pub mod cli;
 pub mod export;

@@ -17,7 +17,10 @@ pub fn press(workspace: &mut Workspace, event: &KeyEvent, held: ModifiersState, 
         Key::Named(NamedKey::Home) if !typing => {
             workspace.look(|f, s, c| Some(camera::framed(c, &s.bounds(), f.aspect())));
         }
-        Key::Named(NamedKey::Escape) if !typing => workspace.layout.shortcuts = false,
+        Key::Named(NamedKey::Escape) if !typing => {
+            workspace.layout.shortcuts = false;
+            workspace.messages.clear();
+        }
         Key::Character(text) if command => {
             let shift = held.shift_key();
             match text.to_lowercase().as_str() {

@@ -3,34 +3,36 @@
 //! A frame is drawn when the window system, egui, or a thread has something to show, and at no other time. Movements of the
 //! mouse go straight to the camera and from there to the threads that draw, before any frame.
 
+mod mouse;
+
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use egui::{ViewportId, pos2};
+use egui::ViewportId;
 use glam::DVec2;
 use winit::application::ApplicationHandler;
-use winit::event::{ElementState, KeyEvent, MouseButton, MouseScrollDelta, WindowEvent};
+use winit::event::{ElementState, KeyEvent, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
 use winit::keyboard::ModifiersState;
 use winit::window::{Window, WindowId};
 
 use super::AppError;
-use super::camera::{self, Button, Held, Motion};
 use super::config::{self, Preferences};
 use super::dialogs::{self, Chosen};
 use super::keys;
 use super::loader::{Loading, Phase};
 use super::panels::{self, style};
-use super::pictures::{Delivery, Kind, PickOrder, Pictures, supersedes};
+use super::pictures::{Delivery, Kind, Pictures, supersedes};
 use super::surface::{Drawn, Surface};
 use super::watch::{Watch, Workshop};
 use super::workspace::{Ask, Gravity, LoadingView, Workspace};
+use mouse::Drag;
 
 /// Turning the wheel is one gesture until it rests so long.
 const WHEEL_RESTS: Duration = Duration::from_millis(300);
-/// A drag of fewer pixels is a click.
-const CLICK: f64 = 4.0;
+/// Most that frames that follow the mouse are held back.
+const LONGEST_REST: Duration = Duration::from_millis(40);
 /// Devices that are opened again in a row before giving up.
 const MOST_REOPENED: u32 = 5;
 
@@ -84,16 +86,6 @@ struct Open {
     surface: Surface,
 }
 
-/// A drag on the picture.
-struct Drag {
-    button: MouseButton,
-    motion: Option<Motion>,
-    from: DVec2,
-    at: DVec2,
-    /// Pixels that it has gone.
-    moved: f64,
-}
-
 struct Shell {
     proxy: EventLoopProxy<Event>,
     context: egui::Context,
@@ -108,6 +100,9 @@ struct Shell {
     drag: Option<Drag>,
     wheel_at: Option<Instant>,
     repaint_at: Option<Instant>,
+    /// Frames that only follow the mouse take half of the time at most: on a software rasterizer they are drawn by the same
+    /// processor as the pictures.
+    rest_until: Instant,
     reopened: u32,
     frames: u64,
     /// Inputs that no frame answers yet, and those of which no picture is drawn yet: of which order, and when they came.
@@ -149,6 +144,7 @@ impl Shell {
             drag: None,
             wheel_at: None,
             repaint_at: None,
+            rest_until: Instant::now(),
             reopened: 0,
             frames: 0,
             inputs: VecDeque::new(),
@@ -286,6 +282,7 @@ impl Shell {
             pictures.ask(&document.scene, self.workspace.scene_number, &document.seen, extras, self.workspace.viewport.size);
         if number != self.workspace.order {
             self.workspace.order = number;
+            tracing::debug!("order {number}, viewport {:?}", self.workspace.viewport);
             self.workspace.refusal = None;
             self.inputs.push_back((number, self.now));
             self.undrawn.push_back((number, self.now));
@@ -335,6 +332,7 @@ impl Shell {
             self.workspace.say(Gravity::Error, format!("The window's graphics device reports: {complaint}"));
         }
         self.frames += 1;
+        self.rest_until = Instant::now() + begin.elapsed().min(LONGEST_REST);
         tracing::debug!(
             "frame {} in {:.1} ms, {:.1} of it layout",
             self.frames,
@@ -351,7 +349,10 @@ impl Shell {
             Drawn::Again => open.window.request_redraw(),
             Drawn::Lost => self.reopen(event_loop),
         }
-        self.repaint_at = Instant::now().checked_add(delay).filter(|_| delay < Duration::from_secs(3600));
+        let asked = Instant::now().checked_add(delay).filter(|_| delay < Duration::from_secs(3600));
+        // A frame at the end of turning the wheel makes a step of it.
+        let rested = self.wheel_at.map(|at| at + WHEEL_RESTS).filter(|at| *at > Instant::now());
+        self.repaint_at = [asked, rested].into_iter().flatten().min();
         self.fulfil(event_loop);
     }
 
@@ -443,116 +444,6 @@ impl Shell {
         }
     }
 
-    /// Whether the cursor is on the picture and nothing lies over it there.
-    fn over_picture(&self) -> bool {
-        let at = self.cursor / f64::from(self.context.pixels_per_point());
-        let layer = self.context.layer_id_at(pos2(at.x as f32, at.y as f32));
-        self.workspace.viewport.contains(self.cursor) && layer.is_none_or(|l| l.order == egui::Order::Background)
-    }
-
-    /// The cursor, from the picture's left top.
-    fn pixel(&self) -> DVec2 {
-        self.cursor - DVec2::from(self.workspace.viewport.origin.map(f64::from))
-    }
-
-    fn pressed(&mut self, button: MouseButton) {
-        if self.drag.is_some() || !self.over_picture() {
-            return;
-        }
-        let held = Held {
-            shift: self.held.shift_key(),
-            ctrl: self.held.control_key() || self.held.super_key(),
-            alt: self.held.alt_key(),
-        };
-        let known = match button {
-            MouseButton::Left => Button::Left,
-            MouseButton::Middle => Button::Middle,
-            MouseButton::Right => Button::Right,
-            _ => return,
-        };
-        let motion = camera::motion(self.workspace.preferences.mouse, known, held);
-        self.drag = Some(Drag { button, motion, from: self.pixel(), at: self.pixel(), moved: 0.0 });
-        if let Some(document) = &mut self.workspace.document {
-            document.begin_gesture();
-        }
-    }
-
-    fn released(&mut self, button: MouseButton) {
-        if self.drag.as_ref().is_some_and(|d| d.button == button) {
-            let clicked = button == MouseButton::Left && self.drag.as_ref().is_some_and(|d| d.moved < CLICK);
-            self.drag = None;
-            if let Some(document) = &mut self.workspace.document {
-                document.end_gesture();
-            }
-            if clicked {
-                self.click();
-            }
-            self.redraw();
-        }
-    }
-
-    /// Picks what is under the cursor; once more on the same place is for what lies behind it.
-    fn click(&mut self) {
-        let pixel = self.pixel();
-        let pixel = [pixel.x.max(0.0) as u32, pixel.y.max(0.0) as u32];
-        if self.workspace.pick_next(pixel, self.held.control_key() || self.held.super_key()) {
-            return;
-        }
-        if let (Some(document), Some(pictures)) = (&self.workspace.document, &self.pictures) {
-            pictures.pick(PickOrder {
-                scene: Arc::clone(&document.scene),
-                scene_number: self.workspace.scene_number,
-                seen: self.workspace.resolved(&document.seen),
-                size: self.workspace.viewport.size,
-                pixel,
-            });
-        }
-    }
-
-    /// Moves the camera with the cursor.
-    fn moved(&mut self) {
-        let pixel = self.pixel();
-        let frame = self.workspace.viewport.frame();
-        let (Some(drag), Some(document)) = (&mut self.drag, &mut self.workspace.document) else {
-            return;
-        };
-        let delta = pixel - drag.at;
-        drag.at = pixel;
-        drag.moved += delta.length();
-        if drag.moved < CLICK {
-            return;
-        }
-        let camera = document.seen.camera;
-        let pivot = self.workspace.pivot.unwrap_or(camera.focal_point);
-        document.seen.camera = match drag.motion {
-            Some(Motion::Turntable) => camera::turntable(&camera, pivot, frame, delta),
-            Some(Motion::Trackball) => camera::trackball(&camera, pivot, frame, delta),
-            Some(Motion::Pan) => camera::pan(&camera, frame, delta),
-            Some(Motion::Zoom) => {
-                let factor = camera::zoom_of_drag(frame, delta.y);
-                camera::zoom(&camera, frame, drag.from, factor, &document.scene.bounds())
-            }
-            None => camera,
-        };
-        self.order();
-    }
-
-    fn wheel(&mut self, delta: MouseScrollDelta) {
-        let notches = match delta {
-            MouseScrollDelta::LineDelta(_, lines) => f64::from(lines),
-            MouseScrollDelta::PixelDelta(pixels) => pixels.y / 50.0,
-        };
-        let frame = self.workspace.viewport.frame();
-        let pixel = self.pixel();
-        if let Some(document) = &mut self.workspace.document {
-            let factor = camera::zoom_of_wheel(notches);
-            document.seen.camera = camera::zoom(&document.seen.camera, frame, pixel, factor, &document.scene.bounds());
-            self.wheel_at = Some(Instant::now());
-            self.repaint_at = Some(Instant::now() + WHEEL_RESTS);
-        }
-        self.order();
-    }
-
     fn key(&mut self, event: &KeyEvent) -> bool {
         let typing = self.context.text_edit_focused();
         event.state == ElementState::Pressed && keys::press(&mut self.workspace, event, self.held, typing)
@@ -606,6 +497,7 @@ impl ApplicationHandler<Event> for Shell {
         };
         let response = open.egui.on_window_event(&open.window, &event);
         let mut redraw = response.repaint;
+        let follows = matches!(event, WindowEvent::CursorMoved { .. } | WindowEvent::MouseWheel { .. });
         match event {
             WindowEvent::CloseRequested => event_loop.exit(),
             WindowEvent::RedrawRequested => {
@@ -628,11 +520,9 @@ impl ApplicationHandler<Event> for Shell {
             WindowEvent::MouseWheel { delta, .. } if self.over_picture() => {
                 self.wheel(delta);
             }
-            WindowEvent::KeyboardInput { event, is_synthetic: false, .. } => {
-                if self.key(&event) {
-                    self.fulfil(event_loop);
-                    redraw = true;
-                }
+            WindowEvent::KeyboardInput { event, is_synthetic: false, .. } if self.key(&event) => {
+                self.fulfil(event_loop);
+                redraw = true;
             }
             WindowEvent::DroppedFile(path) => self.load(&path.to_string_lossy()),
             WindowEvent::Focused(false) => {
@@ -644,7 +534,9 @@ impl ApplicationHandler<Event> for Shell {
             }
             _ => {}
         }
-        if redraw {
+        if redraw && follows && Instant::now() < self.rest_until {
+            self.repaint_at = Some(self.repaint_at.map_or(self.rest_until, |at| at.min(self.rest_until)));
+        } else if redraw {
             self.redraw();
         }
     }

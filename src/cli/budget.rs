@@ -14,8 +14,7 @@ use super::failure::{Exit, Failure};
 use super::output::{self, Progress};
 use crate::gpu::{AdapterFacts, Gpu, GpuOptions};
 use crate::math::Camera;
-use crate::scene::Scene;
-use crate::scene::arrangement::Arrangement;
+use crate::scene::{Arrangement, Scene};
 use crate::settings::Settings;
 use crate::tradeoff::budget::{BudgetError, Choice, Goal, Measurements, Options, choose};
 use crate::tradeoff::report::COMMIT;
@@ -68,8 +67,8 @@ struct Key {
     adapter: Vec<String>,
     cores: usize,
     scene: u64,
-    /// How its parts are shown.
-    arrangement: String,
+    /// A digest of how its parts are shown.
+    arrangement: u64,
     camera: Camera,
     size: [u32; 2],
     background: Option<[f32; 3]>,
@@ -86,12 +85,19 @@ impl Key {
             adapter: [name, driver, driver_info, backend, device_type].map(Clone::clone).to_vec(),
             cores: std::thread::available_parallelism().map_or(1, std::num::NonZero::get),
             scene: scene.digest(),
-            arrangement: String::new(),
+            arrangement: 0,
             camera: *camera,
             size: options.size,
             background: options.background,
             look: settings.clone(),
         }
+    }
+
+    fn arranged(mut self, arrangement: &Arrangement) -> Key {
+        let mut hasher = DefaultHasher::new();
+        hasher.write(format!("{arrangement:?}").as_bytes());
+        self.arrangement = hasher.finish();
+        self
     }
 
     fn file_name(&self) -> String {
@@ -148,11 +154,12 @@ pub fn chosen(
 ) -> Result<Chosen, Failure> {
     let options = Options { size, background, limit: Duration::from_secs(args.measure_seconds) };
     let gpu = Gpu::new(&GpuOptions::default()).map_err(|e| Failure::of(Exit::NoAdapter, &e))?;
-    let key = Key { arrangement: format!("{arrangement:?}"), ..Key::new(scene, camera, settings, gpu.facts(), &options) };
+    let key = Key::new(scene, camera, settings, gpu.facts(), &options).arranged(arrangement);
     let path = cache_folder().map(|folder| folder.join(key.file_name()));
     let known = path.as_ref().filter(|_| !args.remeasure).and_then(|path| read(path, &key));
     let mut measurements = known.clone().unwrap_or_default();
-    let mut bench = RendererBench::arranged(&gpu, scene, arrangement, camera).map_err(super::render::failed)?;
+    let mut bench = RendererBench::new(&gpu, scene, camera).map_err(super::render::failed)?;
+    bench.arrange(scene, arrangement).map_err(super::render::failed)?;
     let mut count = 0;
     let choice = choose(&mut bench, settings, goal, &options, &mut measurements, &mut |name| {
         count += 1;
@@ -267,6 +274,7 @@ mod tests {
         other.parts[0].world_from_part.w_axis.y = 0.5;
         let others = [
             Key::new(&scene, &camera(33.3), &settings, &facts("b"), &options),
+            Key::new(&scene, &camera(33.3), &settings, &facts("a"), &options).arranged(&Arrangement::default()),
             Key::new(&scene, &camera(33.4), &settings, &facts("a"), &options),
             Key::new(&scene, &camera(33.3), &look, &facts("a"), &options),
             Key::new(&other, &camera(33.3), &settings, &facts("a"), &options),

@@ -209,7 +209,15 @@ fn render(args: &RenderArgs) -> Result<(), Failure> {
     let chosen = match args.budget.goal() {
         Some(goal) => {
             let picture = (*size, background);
-            let chosen = budget::chosen(&args.budget, goal, (&scene, &seen.arrangement), &camera, &takes[0].settings, picture, &progress)?;
+            let chosen = budget::chosen(
+                &args.budget,
+                goal,
+                (&scene, &seen.arrangement),
+                &camera,
+                &takes[0].settings,
+                picture,
+                &progress,
+            )?;
             progress.say(&format!("{file}: {}", chosen.sentence));
             takes[0].settings = chosen.choice.settings.clone();
             Some(chosen.choice)

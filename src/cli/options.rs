@@ -125,7 +125,7 @@ pub struct RenderArgs {
     #[arg(help_heading = "Output", long, value_name = "FILE")]
     pub stats: Option<PathBuf>,
     /// Write what the options mean as a session for --session; - is standard output
-    #[arg(help_heading = "Output", long, value_name = "FILE")]
+    #[arg(help_heading = "Output", long, value_name = "FILE", conflicts_with_all = ["budget", "max_error"])]
     pub save_session: Option<PathBuf>,
     /// Compare with this PNG, and exit with 5 if the mean difference is above the threshold
     #[arg(help_heading = "Output", long, value_name = "IMAGE")]

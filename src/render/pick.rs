@@ -165,7 +165,7 @@ impl Renderer {
             if deepest > most {
                 return Err(RenderError::PixelTooDeep { layers: deepest, limit: most });
             }
-            let limit = gpu.capabilities().largest_buffer() / 8;
+            let limit = gpu.capabilities().largest_buffer() / plan.widest_column();
             if fragments > limit {
                 return Err(RenderError::RowTooDeep { row: y, fragments, limit });
             }

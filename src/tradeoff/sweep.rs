@@ -67,7 +67,7 @@ pub struct Times {
     pub baseline_samples: Vec<f64>,
     /// Median of `samples`; for the baseline, of every frame of it in the sweep.
     pub whole: Option<Estimate>,
-    /// Median of each sample over the baseline's beside it.
+    /// Median of each sample over the baseline's beside it; 1 for the baseline.
     pub ratio: Option<Estimate>,
     /// Median of each pass.
     pub passes: Vec<PassTime>,
@@ -231,6 +231,9 @@ pub fn run(
     // The baseline was drawn in turn with everything: all its frames count.
     if let Some(Row { outcome: Ok(Measured { times: Some(times), .. }), .. }) = rows.first_mut() {
         times.whole = estimate(&run.baseline_samples, options.seed);
+        // It is what times are relative to. Its frames against each other would tell of the machine alone.
+        let count = run.baseline_samples.len();
+        times.ratio = times.ratio.map(|_| Estimate { median: 1.0, low: 1.0, high: 1.0, count });
     }
     let reference_thumbnail = exact
         .ok()

@@ -71,6 +71,8 @@ fn planted_errors_and_delays_show_up_as_large_as_they_are() {
     assert!((15.0..40.0).contains(&(slow.median - fast.median)), "{fast:?} {slow:?}");
     assert!(slow.low > fast.high, "the intervals are apart: {fast:?} {slow:?}");
     assert!(times[1].ratio.unwrap().low > 2.0, "{:?}", times[1].ratio);
+    let of_baseline = times[0].ratio.unwrap();
+    assert_eq!([of_baseline.low, of_baseline.median, of_baseline.high], [1.0; 3], "times are relative to it");
     assert_eq!(times[1].passes, [PassTime { pass: Pass::Shade, milliseconds: 13.0 }]);
 }
 

@@ -7,8 +7,7 @@ use crate::math::{Camera, LinearImage};
 use crate::passes::capture::LayerCounts;
 use crate::plan::Capture;
 use crate::render::{GpuScene, RenderError, Renderer, StoreReadback};
-use crate::scene::Scene;
-use crate::scene::arrangement::Arrangement;
+use crate::scene::{Arrangement, Scene};
 use crate::settings::Settings;
 
 /// Which renderer draws.
@@ -76,26 +75,23 @@ impl RendererBench {
     /// # Errors
     /// [`RenderError`] of the device.
     pub fn new(gpu: &Gpu, scene: &Scene, camera: &Camera) -> Result<RendererBench, RenderError> {
-        RendererBench::arranged(gpu, scene, &Arrangement::default(), camera)
-    }
-
-    /// The same with parts shown in another way.
-    ///
-    /// # Errors
-    /// [`RenderError`] of the device.
-    pub fn arranged(
-        gpu: &Gpu,
-        scene: &Scene,
-        arrangement: &Arrangement,
-        camera: &Camera,
-    ) -> Result<RendererBench, RenderError> {
         let lane = || {
             let mut renderer = Renderer::new(gpu.clone())?;
-            let mut loaded = renderer.load(scene)?;
-            renderer.arrange(&mut loaded, scene, arrangement)?;
+            let loaded = renderer.load(scene)?;
             Ok::<_, RenderError>((renderer, loaded))
         };
         Ok(RendererBench { lanes: [lane()?, lane()?], camera: *camera })
+    }
+
+    /// Shows the parts of the uploaded scene as `arrangement` says.
+    ///
+    /// # Errors
+    /// [`RenderError::Arrangement`] if it does not fit the scene.
+    pub fn arrange(&mut self, scene: &Scene, arrangement: &Arrangement) -> Result<(), RenderError> {
+        for (renderer, loaded) in &mut self.lanes {
+            renderer.arrange(loaded, scene, arrangement)?;
+        }
+        Ok(())
     }
 
     /// The adapter.

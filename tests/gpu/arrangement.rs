@@ -63,7 +63,8 @@ fn every_stage_of_an_arranged_scene_is_the_oracles() {
         let color = |p: u32| Some([0.1 * f64::from(p % 10), 0.5, 1.0 - 0.1 * f64::from(p % 10)]);
         with((0..scene.parts.len() as u32).map(|p| (p, PartLook { color: color(p), ..PartLook::default() })))
     };
-    let cases: [(&str, &dyn Fn(&Scene) -> Arrangement); 3] = [
+    type Arrange<'a> = &'a dyn Fn(&Scene) -> Arrangement;
+    let cases: [(&str, Arrange<'_>); 3] = [
         ("hard/assembly?seed=3", &lively_arrangement),
         ("hard/assembly?seed=11", &lively_arrangement),
         ("hard/assembly?seed=3", &colored),

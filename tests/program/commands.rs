@@ -143,7 +143,7 @@ fn help_names_commands_environment_and_exit_codes() {
 #[test]
 fn a_wrong_command_line_exits_with_2() {
     let place = Place::new();
-    place.fails(2, "", &["Usage"]);
+    place.fails(2, "paint", &["no such command"]);
     place.fails(2, "paint boxes.glb", &["paint"]);
     place.fails(2, "render boxes.glb", &["--output"]);
     place.fails(2, "render boxes.glb -o a.png --size 10", &["--size", "1920x1080"]);

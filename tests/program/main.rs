@@ -8,3 +8,4 @@ mod shaders;
 mod structure;
 mod support;
 mod tradeoff;
+mod window;

@@ -52,7 +52,7 @@ fn window(source: TransferSource) -> Window {
             document.settle();
         }
     };
-    let mut harness = Harness::builder().with_size(vec2(1280.0, 700.0)).build_ui_state(show, workspace);
+    let mut harness = Harness::builder().with_size(vec2(1280.0, 700.0)).with_step_dt(0.02).build_ui_state(show, workspace);
     panels::style::set_up(&harness.ctx);
     harness.run();
     harness
@@ -282,8 +282,11 @@ fn numbers_are_entered_for_what_is_selected() {
     enter(&mut window, "κ of the selected point", "-0.25");
     enter(&mut window, "Brightness of the selected points", "1");
     assert_eq!(colors(&window)[1], (-0.25, [1.0; 3]));
+    // A sign on the picker's button to copy is in no font here.
+    window.ctx.set_missing_glyph_policy(egui::MissingGlyphPolicy::Tofu);
     window.get_by_label("Pick the colour of the selected points").click();
     window.run();
+    assert!(window.query_by_label("Colour point 2").is_some());
 }
 
 #[test]

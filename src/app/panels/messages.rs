@@ -97,7 +97,9 @@ fn said(ui: &mut Ui, picture: Rect, workspace: &mut Workspace) {
         let mut done = None;
         for (i, message) in workspace.messages.iter().enumerate().rev().take(4) {
             ui.horizontal_top(|ui| {
-                if ui.small_button("×").on_hover_text("Dismiss").clicked() {
+                let dismiss = ui.small_button("×").on_hover_text("Dismiss");
+                dismiss.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "Dismiss"));
+                if dismiss.clicked() {
                     done = Some(i);
                 }
                 let lines: Vec<&str> = message.text.lines().collect();

@@ -52,7 +52,7 @@ fn picture(ui: &mut Ui, workspace: &mut Workspace) {
     let point = |x: u32, y: u32| Pos2::new(x as f32 / ppp, y as f32 / ppp);
     let rect = Rect::from_min_max(point(left, top), point(left + size[0], top + size[1]));
     let response = ui.allocate_rect(rect, Sense::click_and_drag());
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, "Picture"));
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, "Viewport"));
     match &workspace.screen {
         Some(screen) => {
             let moved = workspace.document.as_ref().filter(|d| (d.seen.camera, size) != screen.view).and_then(|d| {

@@ -17,6 +17,7 @@ pub const KEYS: &[(&str, &str)] = &[
     ("Ctrl+P", "Save the picture"),
     ("Ctrl+Shift+C", "Copy as command line"),
     ("F1", "This list"),
+    ("Esc", "Dismiss messages"),
     ("Ctrl+Q", "Quit"),
 ];
 
@@ -41,14 +42,21 @@ pub fn show(ui: &mut Ui, workspace: &mut Workspace) {
         return;
     }
     let mut open = true;
-    Window::new("Keyboard and mouse").open(&mut open).resizable(false).collapsible(false).show(ui.ctx(), |ui| {
-        Grid::new("shortcuts").num_columns(2).spacing([16.0, 4.0]).show(ui, |ui| {
-            for (keys, what) in KEYS.iter().copied().chain(mouse(workspace.preferences.mouse)) {
-                ui.monospace(keys);
-                ui.label(what);
-                ui.end_row();
-            }
+    let middle = ui.ctx().content_rect().center();
+    Window::new("Keyboard and mouse")
+        .pivot(egui::Align2::CENTER_CENTER)
+        .default_pos(middle)
+        .open(&mut open)
+        .resizable(false)
+        .collapsible(false)
+        .show(ui.ctx(), |ui| {
+            Grid::new("shortcuts").num_columns(2).spacing([16.0, 4.0]).show(ui, |ui| {
+                for (keys, what) in KEYS.iter().copied().chain(mouse(workspace.preferences.mouse)) {
+                    ui.monospace(keys);
+                    ui.label(what);
+                    ui.end_row();
+                }
+            });
         });
-    });
     workspace.layout.shortcuts = open;
 }

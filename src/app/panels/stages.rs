@@ -6,9 +6,7 @@
 
 use std::sync::LazyLock;
 
-use egui::{
-    Align, Button, CollapsingHeader, Color32, ComboBox, DragValue, Layout, RichText, Slider, TextEdit, Ui, vec2,
-};
+use egui::{Align, CollapsingHeader, Color32, ComboBox, DragValue, Layout, RichText, Slider, TextEdit, Ui, vec2};
 
 use crate::app::workspace::{Gravity, Workspace};
 use crate::settings::{CaptureKind, Declaration, OpacityModel, Range, Settings};
@@ -22,11 +20,14 @@ pub const STAGES: &[(&str, &str)] = &[
     ("features", "2  Features"),
     ("opacity", "3  Opacity"),
     ("light", "Light"),
+    ("outline", "Outline of the selection"),
     ("image", "Picture"),
 ];
 
 /// Width of the labels.
 const LABELS: f32 = 104.0;
+/// Size of an icon.
+const ICON: egui::Vec2 = vec2(14.0, 14.0);
 
 /// All stages.
 pub fn show(ui: &mut Ui, workspace: &mut Workspace) {
@@ -118,16 +119,15 @@ fn row(
         let label_id = within.add(egui::Label::new(text).truncate()).id;
         label.on_hover_text(&help);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            let reset = Button::new("⟲").frame(false).small();
             if changed {
-                let put_back = format!("Reset {title}");
-                let back = ui.add(reset).on_hover_text(format!("Back to {}", declaration.default));
-                back.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &put_back));
+                let back = put_back(ui).on_hover_text(format!("Back to {}", declaration.default));
+                let named = format!("Reset {title}");
+                back.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &named));
                 if back.clicked() {
                     next = Some(plain(&declaration.default));
                 }
             } else {
-                ui.add_visible(false, reset);
+                ui.allocate_exact_size(ICON, egui::Sense::hover());
             }
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                 if let Some(text) = control(ui, declaration, value, label_id, typing, &title) {
@@ -137,6 +137,20 @@ fn row(
         });
     });
     next
+}
+
+/// An arrow that turns back: the font has none.
+fn put_back(ui: &mut Ui) -> egui::Response {
+    let (rect, response) = ui.allocate_exact_size(ICON, egui::Sense::click());
+    let stroke = egui::Stroke::new(1.3, ui.style().interact(&response).fg_stroke.color);
+    let center = rect.center();
+    let at = |turn: f32| center + 4.0 * egui::Vec2::angled(turn * std::f32::consts::TAU);
+    let arc: Vec<egui::Pos2> = (0..=12).map(|i| at(-0.45 + 0.75 * i as f32 / 12.0)).collect();
+    let head = arc[0];
+    ui.painter().add(egui::Shape::line(arc, stroke));
+    ui.painter().line_segment([head, head + vec2(0.5, -3.5)], stroke);
+    ui.painter().line_segment([head, head + vec2(3.5, -0.2)], stroke);
+    response
 }
 
 /// A TOML value as [`Settings::set`] takes it.

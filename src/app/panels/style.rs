@@ -24,6 +24,8 @@ pub fn apply(context: &Context, preferences: &Preferences) {
 
 /// Sets both themes up, once.
 pub fn set_up(context: &Context) {
+    // The size is a preference, with one place to change it.
+    context.options_mut(|o| o.zoom_with_keyboard = false);
     for (side, visuals) in [(Side::Dark, dark()), (Side::Light, light())] {
         context.style_mut_of(side, |style| {
             style.visuals = visuals;

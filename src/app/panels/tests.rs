@@ -145,10 +145,11 @@ fn parts_are_found_hidden_and_isolated_by_name() {
 #[test]
 fn the_plan_says_what_runs_and_what_does_not() {
     let mut planned = workspace("quads");
-    planned.capabilities = Some(Capabilities::default());
+    planned.capabilities = Some(Capabilities { max_storage_buffers: 16, ..Capabilities::default() });
     let mut harness = harness(planned);
     harness.get_by_label("Plan").click();
     harness.run();
+    assert!(matches!(harness.state().plan, Some(Ok(_))), "{:?}", harness.state().plan);
     harness.get_by_label("Not needed");
     harness.get_by_label("curvature");
     harness.state_mut().document.as_mut().unwrap().seen.settings.opacity.model = OpacityModel::Opaque;

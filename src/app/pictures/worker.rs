@@ -19,7 +19,7 @@ use crate::render::{FrameReport, GpuScene, RenderError, Renderer};
 use crate::scene::{Arrangement, Scene};
 
 /// Triangles of a preview on a software rasterizer.
-const SOFTWARE_TRIANGLES: u64 = 20_000;
+const SOFTWARE_TRIANGLES: u64 = 15_000;
 
 #[derive(Default)]
 struct Slot {
