@@ -24,8 +24,8 @@ pub struct Compare {
     pub kept: Against,
     /// Where the divider stands, from 0 to 1 of the width.
     pub divider: f32,
-    /// The picture of A: of which order, its view, its pixels.
-    pub shown: Option<(u64, (Camera, [u32; 2]), Arc<Shown>)>,
+    /// The picture of A, and the camera and viewport that it is of.
+    pub shown: Option<((Camera, [u32; 2]), Arc<Shown>)>,
 }
 
 impl Workspace {
@@ -94,7 +94,7 @@ pub fn show(ui: &mut Ui, rect: Rect, workspace: &mut Workspace) {
     let ppp = ui.ctx().pixels_per_point();
     let at_pixel = |x: f32| (x * ppp).round() / ppp;
     let x = at_pixel(rect.left() + compare.divider * rect.width());
-    if different && let Some((_, (camera, size), shown)) = &compare.shown {
+    if different && let Some(((camera, size), shown)) = &compare.shown {
         let now = (&document.seen.camera, viewport.size);
         let moved = if (*camera, *size) == (document.seen.camera, viewport.size) {
             None

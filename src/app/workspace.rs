@@ -144,6 +144,14 @@ pub struct Layout {
     pub editors: editors::State,
 }
 
+/// What a plan was made for.
+struct Planned {
+    scene_number: u64,
+    seen: Seen,
+    transfer: Option<Arc<TransferFunction>>,
+    size: [u32; 2],
+}
+
 /// Everything that the window knows.
 pub struct Workspace {
     /// The model and what is seen of it.
@@ -170,7 +178,7 @@ pub struct Workspace {
     pub adapter: Option<String>,
     /// What would run; `None` without a model or an adapter.
     pub plan: Option<Result<FramePlan, String>>,
-    planned: Option<(u64, Seen, Option<Arc<TransferFunction>>, [u32; 2])>,
+    planned: Option<Planned>,
     /// Where the picture is.
     pub viewport: Viewport,
     /// What turning turns about; the focal point if `None`.
@@ -411,7 +419,7 @@ impl Workspace {
         {
             let view = (picture.seen.camera, picture.viewport);
             let serial = picture.number + (number << 32);
-            compare.shown = Some((picture.number, view, Arc::new(shown_of(serial, picture))));
+            compare.shown = Some((view, Arc::new(shown_of(serial, picture))));
         }
     }
 
@@ -445,9 +453,10 @@ impl Workspace {
         };
         let view = ViewStats::of(&document.seen.camera);
         let resolved = transfer.as_ref().and_then(|t| t.as_ref().ok()).cloned();
-        let same = |(number, seen, functions, size): &(u64, Seen, Option<Arc<TransferFunction>>, [u32; 2])| {
-            let at_hand = (self.scene_number, &resolved, self.viewport.size);
-            (*number, functions, *size) == at_hand && *seen == document.seen
+        let same = |planned: &Planned| {
+            (planned.scene_number, planned.size) == (self.scene_number, self.viewport.size)
+                && planned.transfer == resolved
+                && planned.seen == document.seen
         };
         if self.planned.as_ref().is_some_and(same) || self.viewport.size.contains(&0) {
             return;
@@ -461,7 +470,12 @@ impl Workspace {
             None => return,
         };
         self.plan = Some(planned);
-        self.planned = Some((self.scene_number, document.seen.clone(), resolved, self.viewport.size));
+        self.planned = Some(Planned {
+            scene_number: self.scene_number,
+            seen: document.seen.clone(),
+            transfer: resolved,
+            size: self.viewport.size,
+        });
     }
 
     /// One step back.

@@ -148,12 +148,19 @@ impl<P: Handle> Gestures<P> {
             let way = (now - from) * if what == What::Move && fine { FINE } else { 1.0 };
             Some(Drag { what, start: points.clone(), selected: selected.clone(), from, way })
         };
+        // The point that the button went down on. In a slow frame the pointer has gone on since, and another widget has the drag.
+        let grabbed = pressed.and_then(|from| {
+            let distance = |h: &Response| h.rect.center().distance_sq(from);
+            let near = handles.iter().enumerate().filter(|(_, h)| h.rect.contains(from));
+            near.min_by(|a, b| distance(a.1).total_cmp(&distance(b.1))).map(|(i, _)| i)
+        });
+        let started = std::iter::once(&ground).chain(&handles).find(|r| r.drag_started());
         for (i, handle) in handles.iter().enumerate() {
-            if handle.drag_started() {
+            if started.is_some() && grabbed == Some(i) {
                 if !self.selected.contains(&i) {
                     self.selected = [i].into();
                 }
-                self.drag = begin(What::Move, &self.selected, handle);
+                self.drag = begin(What::Move, &self.selected, started.unwrap_or(handle));
                 outcome.begin = true;
                 handle.request_focus();
             } else if handle.clicked() && (held.shift || fine) {
@@ -168,12 +175,12 @@ impl<P: Handle> Gestures<P> {
                 handle.request_focus();
             }
         }
-        if ground.drag_started() {
+        if let Some(started) = started.filter(|_| grabbed.is_none()) {
             let what = if fine { What::Scale } else { What::Band };
             if !held.shift {
                 self.selected.clear();
             }
-            self.drag = begin(what, &self.selected, &ground);
+            self.drag = begin(what, &self.selected, started);
             outcome.begin |= what == What::Scale;
             ground.request_focus();
         } else if ground.double_clicked() {

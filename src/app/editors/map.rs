@@ -186,7 +186,11 @@ fn handles(
             one.choose(i);
         }
     }
-    if ground.drag_started() && fine {
+    let pressed = ui.input(|i| i.pointer.press_origin());
+    let on_a_curve = |from: egui::Pos2| {
+        curves.as_slice().iter().any(|c| (plot.to_screen([c.depth, 0.0]).x - from.x).abs() <= 0.5 * GRIP)
+    };
+    if ground.drag_started() && fine && !pressed.is_some_and(on_a_curve) {
         let way = ground.total_drag_delta().unwrap_or_default();
         state.drag = Some(Drag { start: curves.clone(), curve: None, way });
         edit.begin = true;

@@ -16,6 +16,8 @@ const UPWARDS: &[Tick] = &[(0.0, "0 %"), (0.5, "50 %"), (1.0, "100 %")];
 pub struct State {
     /// The curve that is edited.
     pub curve: usize,
+    /// Whether it is chosen: at first it is the one with most layers near it.
+    settled: bool,
     /// On it.
     pub gestures: Gestures<OpacityPoint>,
 }
@@ -23,6 +25,7 @@ pub struct State {
 impl State {
     /// Edits another curve.
     pub fn choose(&mut self, curve: usize) {
+        self.settled = true;
         if curve != self.curve {
             self.curve = curve;
             self.gestures = Gestures::default();
@@ -51,6 +54,11 @@ pub fn show(
     };
     if state.curve >= curves.len() {
         state.choose(curves.len() - 1);
+    }
+    let depths: Vec<f64> = curves.iter().map(|c| c.depth).collect();
+    if let Some(counts) = counts.filter(|_| !state.settled) {
+        let near = |curve: &usize| counts_near(counts, &depths, *curve).1.iter().sum::<u64>();
+        state.choose((0..curves.len()).max_by_key(near).unwrap_or(0));
     }
     let chosen = state.curve;
     let points = &curves[chosen].points;
@@ -127,7 +135,6 @@ pub fn show(
     plot.paint_axes(ui, ACROSS, UPWARDS);
     let dark = ui.visuals().dark_mode;
     if let Some(counts) = counts {
-        let depths: Vec<f64> = curves.iter().map(|c| c.depth).collect();
         let (all, near) = counts_near(counts, &depths, chosen);
         let full = all.iter().copied().max().unwrap_or(0);
         plot.paint_counts(ui.painter(), &all, full, plot::counted(dark).gamma_multiply(0.28));

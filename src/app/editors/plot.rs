@@ -84,7 +84,9 @@ impl Plot {
         for &(y, word) in upwards {
             let at = self.to_screen([self.x[0], y]);
             painter.hline(self.rect.x_range(), at.y, line);
-            painter.text(at - vec2(4.0, 0.0), Align2::RIGHT_CENTER, word, font.clone(), ink);
+            // The lowest makes room for the first word of the other axis.
+            let align = if y == self.y[0] { Align2::RIGHT_BOTTOM } else { Align2::RIGHT_CENTER };
+            painter.text(at - vec2(6.0, 0.0), align, word, font.clone(), ink);
         }
     }
 

@@ -111,6 +111,8 @@ fn drag(window: &mut Window, from: Pos2, to: Pos2, modifiers: Modifiers) {
 }
 
 fn double_click(window: &mut Window, pos: Pos2) {
+    // A click shortly before would make a third of it.
+    window.run_steps(40);
     window.event(Event::PointerMoved(pos));
     for pressed in [true, false, true, false] {
         button(window, pos, pressed, Modifiers::NONE);

@@ -72,7 +72,7 @@ impl Worker {
                     Work::Pick(order) => studio.pick(&order).is_none_or(&deliver),
                     Work::Draw(order) => match studio.fill(&order) {
                         None => {
-                            theirs.take_back(order);
+                            theirs.take_back(*order);
                             true
                         }
                         Some(Delivery::Picture(picture)) => {
@@ -156,7 +156,7 @@ impl Desk {
                 }
                 Some(_) => {
                     self.cancel.store(false, Ordering::Relaxed);
-                    return slot.order.take().map(Work::Draw);
+                    return slot.order.take().map(|order| Work::Draw(Box::new(order)));
                 }
             };
         }
@@ -179,7 +179,7 @@ impl Desk {
 
 /// What the thread does next.
 enum Work {
-    Draw(Order),
+    Draw(Box<Order>),
     Pick(PickOrder),
 }
 
