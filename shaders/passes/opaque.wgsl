@@ -11,9 +11,10 @@ struct ShadeParameters {
 
 @fragment
 fn fragment_main(v: Varyings, @builtin(front_facing) front_facing: bool) -> @location(0) vec2<u32> {
+    let clipped = is_clipped(v.position, v.part);
     var s = captured_surface(v, front_facing);
     s.color = recolored(v.part, s.color);
-    if is_cut_out(v) {
+    if clipped || is_cut_out(v) {
         discard;
     }
     let word = pack_material(MaterialWord(s.metallic, s.roughness, s.occlusion, s.unlit, s.back_side));

@@ -19,8 +19,9 @@ struct BlendParameters {
 
 @fragment
 fn fragment_main(v: Varyings, @builtin(front_facing) front_facing: bool) -> @location(0) vec4<f32> {
+    let clipped = is_clipped(v.position, v.part);
     let s = captured_surface(v, front_facing);
-    if is_cut_out(v) {
+    if clipped || is_cut_out(v) {
         discard;
     }
     let word = pack_material(MaterialWord(s.metallic, s.roughness, s.occlusion, s.unlit, s.back_side));

@@ -16,7 +16,7 @@ use crate::gpu::{AdapterFacts, Gpu, GpuOptions};
 use crate::math::Camera;
 use crate::scene::{Arrangement, Scene};
 use crate::settings::Settings;
-use crate::tradeoff::budget::{BudgetError, Choice, Goal, Measurements, Options, choose};
+use crate::tradeoff::budget::{BudgetError, Choice, Goal, Measurements, Options, Verdict, choose};
 use crate::tradeoff::report::COMMIT;
 use crate::tradeoff::workbench::RendererBench;
 
@@ -24,11 +24,12 @@ use crate::tradeoff::workbench::RendererBench;
 #[derive(Args, Clone, Debug, Default)]
 #[command(next_help_heading = "Promise")]
 pub struct BudgetArgs {
-    /// As accurate as possible within this time a frame, as in 33ms or 0.5s: technique, resolution and samples are chosen
-    #[arg(long, value_name = "TIME", value_parser = milliseconds, conflicts_with_all = ["max_error", "compare"])]
+    /// As accurate as possible within this time a frame, as in 33ms or 0.5s: capture, resolution and samples are chosen
+    #[arg(long, value_name = "TIME", value_parser = milliseconds, conflicts_with_all = ["max_error", "compare", "k", "capture", "samples"])]
     pub budget: Option<f64>,
-    /// As fast as possible below this error: mean FLIP, 0 to 1, against the exact picture with 16 samples a pixel
-    #[arg(long, value_name = "FLIP", value_parser = flip, conflicts_with = "compare")]
+    /// As fast as possible below this error: mean FLIP, 0 to 1, against the exact picture with 16 samples a pixel or twice
+    /// as many as are asked for
+    #[arg(long, value_name = "FLIP", value_parser = flip, conflicts_with_all = ["compare", "k", "capture", "samples"])]
     pub max_error: Option<f64>,
     /// Time for measuring what is not known yet, seconds
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=86_400), default_value_t = 300)]
@@ -55,7 +56,8 @@ fn milliseconds(text: &str) -> Result<f64, String> {
     time.ok_or_else(|| "expected a time above 0, as in 33ms or 0.5s".to_owned())
 }
 
-fn flip(text: &str) -> Result<f64, String> {
+/// Parses a mean FLIP.
+pub fn flip(text: &str) -> Result<f64, String> {
     let error = text.parse::<f64>().ok().filter(|e| (0.0..=1.0).contains(e));
     error.ok_or_else(|| "expected a mean FLIP from 0 to 1, as in 0.01".to_owned())
 }
@@ -122,7 +124,13 @@ fn cache_folder() -> Option<PathBuf> {
 
 fn read(path: &Path, key: &Key) -> Option<Measurements> {
     let kept: Kept = serde_json::from_slice(&std::fs::read(path).ok()?).ok()?;
-    (kept.key == *key).then_some(kept.measurements)
+    let sound = |ms: &f64| ms.is_finite() && *ms > 0.0;
+    let all_sound = kept
+        .measurements
+        .entries
+        .iter()
+        .all(|e| e.frames.iter().all(sound) && e.error.is_none_or(|e| (0.0..=1.0).contains(&e.flip_mean)));
+    (kept.key == *key && all_sound).then_some(kept.measurements)
 }
 
 fn write(path: &Path, key: &Key, measurements: Measurements) -> Result<(), Failure> {
@@ -156,7 +164,8 @@ pub fn chosen(
     let gpu = Gpu::new(&GpuOptions::default()).map_err(|e| Failure::of(Exit::NoAdapter, &e))?;
     let key = Key::new(scene, camera, settings, gpu.facts(), &options).arranged(arrangement);
     let path = cache_folder().map(|folder| folder.join(key.file_name()));
-    let known = path.as_ref().filter(|_| !args.remeasure).and_then(|path| read(path, &key));
+    let kept = path.as_ref().and_then(|path| read(path, &key));
+    let known = if args.remeasure { None } else { kept.clone() };
     let mut measurements = known.clone().unwrap_or_default();
     let mut bench = RendererBench::new(&gpu, scene, camera).map_err(super::render::failed)?;
     bench.arrange(scene, arrangement).map_err(super::render::failed)?;
@@ -168,6 +177,12 @@ pub fn chosen(
     .map_err(failed)?;
     let fresh = known.as_ref() != Some(&measurements);
     if let Some(path) = path.as_ref().filter(|_| fresh) {
+        // What measuring anew did not reach is not lost.
+        for old in kept.map(|k| k.entries).unwrap_or_default() {
+            if !measurements.entries.iter().any(|e| e.settings == old.settings && e.scale == old.scale) {
+                measurements.entries.push(old);
+            }
+        }
         // A picture is worth more than a cache.
         if let Err(failure) = write(path, &key, measurements) {
             progress.say(&format!("measurements are not kept: {}", failure.message));
@@ -186,6 +201,7 @@ pub fn chosen(
 pub fn failed(error: BudgetError) -> Failure {
     match error {
         BudgetError::Render(e) => super::render::failed(e),
+        e @ BudgetError::NothingDrawn { .. } => Failure::of(Exit::Limits, &e),
         e => Failure::of(Exit::General, &e),
     }
 }
@@ -199,14 +215,19 @@ pub fn promise(goal: Goal) -> String {
 }
 
 fn sentence(goal: Goal, choice: &Choice, source: &str) -> String {
-    let Choice { name, flip, time, compared, reason, kept, cut_short, .. } = choice;
+    let Choice { name, flip, time, compared, reason, verdict, cut_short, reference_samples, .. } = choice;
     let promise = promise(goal);
-    let verdict = if *kept { String::new() } else { ", WHICH DOES NOT KEEP THE PROMISE".to_owned() };
+    let verdict = match verdict {
+        Verdict::Kept => "",
+        Verdict::Unsure => ", which keeps it as far as so few frames tell",
+        Verdict::Broken => ", WHICH DOES NOT KEEP THE PROMISE",
+    };
+    let frames = if time.count == 1 { "1 frame".to_owned() } else { format!("{} frames", time.count) };
     let short = if *cut_short { "; the time for measuring ended early (--measure-seconds)" } else { "" };
     format!(
-        "{promise}: '{name}'{verdict}, {:.1} ms a frame ({:.1} to {:.1}, {} frames), FLIP {flip:.4}; {reason}; {compared} \
+        "{promise}: '{name}'{verdict}, {:.1} ms a frame ({:.1} to {:.1}, {frames}), FLIP {flip:.4} against {reference_samples} samples; {reason}; {compared} \
          configurations compared, {source}{short}",
-        time.median, time.low, time.high, time.count
+        time.median, time.low, time.high
     )
 }
 
@@ -296,7 +317,8 @@ mod tests {
             flip: 0.021,
             time: crate::tradeoff::statistics::Estimate { median: 28.0, low: 27.0, high: 30.04, count: 7 },
             asked: 90.0,
-            kept: true,
+            reference_samples: 16,
+            verdict: Verdict::Kept,
             compared: 23,
             cut_short: false,
             reason: "'k=8', with FLIP 0.0100, takes 60.0 ms".to_owned(),
@@ -304,10 +326,10 @@ mod tests {
         let text = sentence(Goal::Time(33.0), &choice, "measured now in 9 frames");
         assert_eq!(
             text,
-            "within 33 ms: 'k=8, resolution=0.5', 28.0 ms a frame (27.0 to 30.0, 7 frames), FLIP 0.0210; 'k=8', with FLIP \
-             0.0100, takes 60.0 ms; 23 configurations compared, measured now in 9 frames"
+            "within 33 ms: 'k=8, resolution=0.5', 28.0 ms a frame (27.0 to 30.0, 7 frames), FLIP 0.0210 against 16 \
+             samples; 'k=8', with FLIP 0.0100, takes 60.0 ms; 23 configurations compared, measured now in 9 frames"
         );
-        let broken = Choice { kept: false, cut_short: true, ..choice };
+        let broken = Choice { verdict: Verdict::Broken, cut_short: true, ..choice };
         let text = sentence(Goal::Error(0.001), &broken, "measured now in 9 frames");
         assert!(
             text.contains("below FLIP 0.001")

@@ -197,7 +197,8 @@ fn number(text: &str) -> Result<f64, String> {
     text.trim().parse::<f64>().ok().filter(|v| v.is_finite()).ok_or_else(|| "expected a number".to_owned())
 }
 
-fn positive(text: &str) -> Result<f64, String> {
+/// Parses a number above 0.
+pub fn positive(text: &str) -> Result<f64, String> {
     number(text).ok().filter(|&v| v > 0.0).ok_or_else(|| "expected a number greater than 0".to_owned())
 }
 

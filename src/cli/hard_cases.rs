@@ -60,7 +60,9 @@ struct Listed {
 type Chosen = Vec<(&'static str, &'static HardCase)>;
 
 fn chosen(names: &[String]) -> Result<Chosen, Failure> {
-    let unknown = names.iter().find(|n| !hard_cases::all().any(|(_, case)| case.name.starts_with(n.as_str())));
+    let names: Vec<String> = names.iter().map(|n| n.to_lowercase()).collect();
+    let unknown =
+        names.iter().find(|n| n.is_empty() || !hard_cases::all().any(|(_, case)| case.name.starts_with(n.as_str())));
     if let Some(name) = unknown {
         let known: Vec<&str> = hard_cases::all().map(|(_, case)| case.name).collect();
         let message = format!("no hard case is called '{name}'; there are {}", known.join(", "));

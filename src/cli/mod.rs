@@ -15,6 +15,7 @@ mod looks;
 mod options;
 mod output;
 mod render;
+mod section;
 mod tradeoff;
 mod transfer;
 mod view;
@@ -33,7 +34,7 @@ use crate::render::FrameReport;
 use crate::scene::builtin;
 use crate::session::camera_in_scene;
 use crate::settings::{OpacityModel, Settings};
-use crate::tradeoff::budget::{Choice, Goal};
+use crate::tradeoff::budget::{Choice, Goal, Verdict};
 use crate::tradeoff::image_error::resized;
 use crate::transfer::{OpacityFunction, TransferSource, presets as transfer_presets};
 pub use failure::{Exit, Failure};
@@ -227,11 +228,18 @@ fn render(args: &RenderArgs) -> Result<(), Failure> {
     let scale = chosen.as_ref().map_or(1.0, |c| c.scale);
     let drawn_size = size.map(|s| ((f64::from(s) * scale).round() as u32).max(1));
     let mut session = Session::open_arranged(&scene, &seen.arrangement)?;
+    for notice in &session.notices {
+        progress.say(&format!("{file}: {notice}"));
+    }
     let timing = if args.stats.is_some() { session.time_passes() } else { "not measured" };
     let mut images = Vec::new();
     let mut pictures = Vec::new();
     for Take { name, settings } in &takes {
         progress.stage(&format!("rendering {name}"));
+        if chosen.is_some() {
+            // What is promised is the time of a frame; the first one compiles shaders besides.
+            session.render(&camera, settings, drawn_size)?;
+        }
         let frame = session.render(&camera, settings, drawn_size)?;
         let subject = if args.compare { format!("{file}: {name}") } else { file.clone() };
         progress.say(&summary(&subject, drawn_size, &frame.report));
@@ -260,7 +268,7 @@ fn render(args: &RenderArgs) -> Result<(), Failure> {
     }
     match (args.budget.goal(), &stats.choice) {
         // Times are never judged: a machine may be busy. An error is what it is.
-        (Some(Goal::Error(limit)), Some(choice)) if !choice.kept && verdict.is_ok() => {
+        (Some(Goal::Error(limit)), Some(choice)) if choice.verdict == Verdict::Broken && verdict.is_ok() => {
             Err(Failure::new(Exit::Differ, format!("{file}: no configuration was found below FLIP {limit}")))
         }
         _ => verdict,

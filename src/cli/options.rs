@@ -10,6 +10,7 @@ use super::budget::BudgetArgs;
 use super::camera::CameraArgs;
 use super::hard_cases::HardCasesArgs;
 use super::looks::LookArgs;
+use super::section::SectionArgs;
 use super::tradeoff::TradeoffArgs;
 use super::transfer::TransferArgs;
 use super::view::PartArgs;
@@ -98,6 +99,9 @@ pub struct ViewArgs {
     /// The look.
     #[command(flatten)]
     pub look: LookArgs,
+    /// Section planes.
+    #[command(flatten)]
+    pub sections: SectionArgs,
     /// The camera.
     #[command(flatten)]
     pub camera: CameraArgs,

@@ -16,6 +16,8 @@ use crate::settings::Settings;
 pub struct Session {
     renderer: Renderer,
     scene: GpuScene,
+    /// What the arrangement could not do, one sentence each.
+    pub notices: Vec<String>,
 }
 
 impl Session {
@@ -27,7 +29,7 @@ impl Session {
         let gpu = Gpu::new(&GpuOptions::default()).map_err(|e| Failure::of(Exit::NoAdapter, &e))?;
         let mut renderer = Renderer::new(gpu).map_err(failed)?;
         let scene = renderer.load(scene).map_err(failed)?;
-        Ok(Session { renderer, scene })
+        Ok(Session { renderer, scene, notices: Vec::new() })
     }
 
     /// The same, with the scene's parts as an arrangement shows them.
@@ -36,7 +38,8 @@ impl Session {
     /// As [`Session::open`].
     pub fn open_arranged(scene: &Scene, arrangement: &Arrangement) -> Result<Session, Failure> {
         let mut session = Session::open(scene)?;
-        session.renderer.arrange(&mut session.scene, scene, arrangement).map_err(failed)?;
+        let report = session.renderer.arrange(&mut session.scene, scene, arrangement).map_err(failed)?;
+        session.notices = report.notices;
         Ok(session)
     }
 

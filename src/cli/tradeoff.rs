@@ -13,7 +13,7 @@ use super::output::{self, Progress};
 use crate::export::image::parse_background;
 use crate::gpu::{Gpu, GpuOptions};
 use crate::scene::Scene;
-use crate::tradeoff::limits::Limits;
+use crate::tradeoff::limits::{Judgement, Limits};
 use crate::tradeoff::report::{self, Subject};
 use crate::tradeoff::sweep::{self, Options, Sweep};
 use crate::tradeoff::workbench::RendererBench;
@@ -33,7 +33,7 @@ pub struct TradeoffArgs {
     /// Axes to vary, all if none are named: capture, k, key, normals, …
     #[arg(long, value_name = "NAME,NAME", value_delimiter = ',')]
     pub axes: Vec<String>,
-    /// Time for everything, seconds; what it does not reach is a row that says so
+    /// Time for everything, seconds; what it does not reach is a row that says so. Without effect with --check
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=86_400), default_value_t = 120)]
     pub limit_seconds: u64,
     /// Exit with 5 if an error is above its limit in this file; times are never judged, and without --output not taken
@@ -57,7 +57,7 @@ pub fn run(args: &TradeoffArgs) -> Result<(), Failure> {
     let axes = axis::named(&args.axes).map_err(|e| Failure::new(Exit::Usage, format!("--axes: {e}")))?;
     let limits = args.check.as_deref().map(read_limits).transpose()?;
     if let Some(folder) = &args.output {
-        std::fs::create_dir_all(folder).map_err(|e| Failure::about(Exit::General, folder.display(), &e))?;
+        prepare(folder)?;
     }
     let progress = Progress::new();
     let scene = super::load::scene(&args.file, &progress)?;
@@ -74,7 +74,7 @@ pub fn run(args: &TradeoffArgs) -> Result<(), Failure> {
         thumbnail: if args.output.is_some() { Options::default().thumbnail } else { 0 },
         ..Options::default()
     };
-    let (sweep, subject) = measure(args, &scene, &settings, &axes, &options, &progress)?;
+    let (sweep, subject) = measure(args, &scene, &settings, &axes, (&options, limits.as_ref()), &progress)?;
     if let Some(folder) = &args.output {
         progress.stage("writing");
         for file in report::files(&sweep, &subject) {
@@ -82,17 +82,44 @@ pub fn run(args: &TradeoffArgs) -> Result<(), Failure> {
         }
     }
     let failed = sweep.rows.iter().filter(|r| r.outcome.is_err()).count();
+    let untimed = sweep.rows.iter().filter(|r| r.outcome.as_ref().is_ok_and(|m| m.times.is_none())).count();
+    let untimed = if untimed > 0 && options.most_frames > 0 {
+        format!(", {untimed} without times (a longer --limit-seconds gives more)")
+    } else {
+        String::new()
+    };
+    let covered = sweep.rows.iter().any(|r| r.outcome.as_ref().is_ok_and(|m| m.counts.rasterized > 0));
+    if !covered {
+        progress.say(&format!("{}: nothing is in view", args.file));
+    }
     let place = args.output.as_ref().map_or_else(String::new, |f| format!("; {}", f.join("index.html").display()));
     progress.say(&format!(
-        "{}: {} configurations in {:.0} s, {failed} without figures{place}",
+        "{}: {} configurations in {:.0} s, {failed} without figures{untimed}{place}",
         args.file,
         sweep.rows.len(),
         sweep.seconds
     ));
     match (limits, &args.check) {
+        (Some(_), Some(path)) if !covered => {
+            Err(Failure::new(Exit::Input, format!("{}: nothing is in view: there is nothing to check", path.display())))
+        }
         (Some(limits), Some(path)) => judge(&limits, path, &sweep, &progress),
         _ => Ok(()),
     }
+}
+
+/// Makes the folder and finds out before the work whether files can be written there.
+fn prepare(folder: &Path) -> Result<(), Failure> {
+    if folder == Path::new("-") {
+        return Err(Failure::new(Exit::Usage, "--output names a folder; a report is three files"));
+    }
+    let about = |e: std::io::Error| Failure::about(Exit::General, folder.display(), &e);
+    std::fs::create_dir_all(folder).map_err(about)?;
+    for name in report::NAMES {
+        output::check(&folder.join(name))?;
+    }
+    let trial = folder.join(format!(".{}.part", std::process::id()));
+    std::fs::write(&trial, b"").and_then(|()| std::fs::remove_file(&trial)).map_err(about)
 }
 
 /// Frames of which times are taken where no time limit ends them.
@@ -103,11 +130,14 @@ fn measure(
     scene: &Scene,
     settings: &crate::settings::Settings,
     axes: &[crate::settings::Axis],
-    options: &Options,
+    (options, limits): (&Options, Option<&Limits>),
     progress: &Progress,
 ) -> Result<(Sweep, Subject), Failure> {
     let general = |e: &(dyn std::error::Error + 'static)| Failure::of(Exit::General, e);
     let configurations = axis::configurations(settings, axes).map_err(|e| general(&e))?;
+    if let (Some(limits), Some(path)) = (limits, &args.check) {
+        limits.check_names(&configurations).map_err(|e| Failure::about(Exit::Input, path.display(), &e))?;
+    }
     // The reference is exact along every axis, varied or not.
     let all = axis::all();
     let exact = reference::reference(settings, &all).map_err(|e| general(&e))?;
@@ -135,7 +165,9 @@ fn read_limits(path: &Path) -> Result<Limits, Failure> {
 }
 
 fn judge(limits: &Limits, path: &Path, sweep: &Sweep, progress: &Progress) -> Result<(), Failure> {
-    let violations = limits.violations(sweep).map_err(|e| Failure::about(Exit::Input, path.display(), &e))?;
+    let Judgement { checked, violations } =
+        limits.judge(sweep).map_err(|e| Failure::about(Exit::Input, path.display(), &e))?;
+    progress.say(&format!("{}: {checked} figures checked, {} over their limits", path.display(), violations.len()));
     let Some((last, others)) = violations.split_last() else { return Ok(()) };
     others.iter().for_each(|v| progress.say(&format!("{}: {v}", path.display())));
     Err(Failure::new(Exit::Differ, format!("{}: {last}", path.display())))

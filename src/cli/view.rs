@@ -131,6 +131,7 @@ impl Asked<'_> {
         let kept = kept.map_err(|e| Failure::about(Exit::Input, path.display(), &e))?;
         let mut arrangement = kept.as_ref().map_or_else(Arrangement::default, |s| s.arrangement.clone());
         args.parts.apply(&mut arrangement, &scene)?;
+        args.sections.apply(&mut arrangement, &scene)?;
         arrangement.check(&scene).map_err(|e| Failure::of(Exit::Usage, &e))?;
         let camera = match &kept {
             Some(session) if args.camera.only_turns() => {

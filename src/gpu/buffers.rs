@@ -17,6 +17,8 @@ pub enum Resource {
 #[derive(Clone, Default)]
 pub struct Resources {
     named: HashMap<&'static str, Resource>,
+    /// Bytes that the present frame asked for, by name of the buffer.
+    needed: HashMap<&'static str, u64>,
 }
 
 /// Usage of every buffer that a frame makes.
@@ -31,6 +33,8 @@ impl Resources {
     /// # Errors
     /// [`GpuError::OutOfMemory`].
     pub fn ensure(&mut self, gpu: &Gpu, name: &'static str, bytes: u64) -> Result<(), GpuError> {
+        let needed = self.needed.entry(name).or_default();
+        *needed = bytes.max(*needed);
         match self.named.get(name) {
             Some(Resource::Buffer(b)) if b.size() >= bytes => Ok(()),
             _ => {
@@ -54,8 +58,9 @@ impl Resources {
         }
     }
 
-    /// Forgets every resource whose name is not kept, and frees its memory when nothing else holds it.
+    /// Forgets every resource whose name is not kept, and frees its memory when nothing else holds it. A frame begins so.
     pub fn retain(&mut self, keep: impl Fn(&str) -> bool) {
+        self.needed.clear();
         self.named.retain(|name, _| keep(name));
     }
 
@@ -83,17 +88,22 @@ impl Resources {
         }
     }
 
-    /// Bytes of all buffers, each once.
+    /// Bytes of all buffers that the present frame needs. What an earlier frame made larger counts as what is needed of it.
     pub fn bytes(&self) -> u64 {
         let mut seen: Vec<&wgpu::Buffer> = Vec::new();
-        for resource in self.named.values() {
-            if let Resource::Buffer(b) = resource
+        let mut names: Vec<_> = self.named.keys().copied().collect();
+        // Names under which buffers were made come before their aliases.
+        names.sort_by_key(|name| (!self.needed.contains_key(name), *name));
+        let mut sum = 0;
+        for name in names {
+            if let Some(Resource::Buffer(b)) = self.named.get(name)
                 && !seen.contains(&b)
             {
                 seen.push(b);
+                sum += self.needed.get(name).map_or(b.size(), |needed| b.size().min(*needed));
             }
         }
-        seen.iter().map(|b| b.size()).sum()
+        sum
     }
 
     /// Names of all resources, sorted.

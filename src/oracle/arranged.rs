@@ -8,10 +8,46 @@ use std::sync::Arc;
 
 use super::store::StoreData;
 use crate::math::color::linear_from_srgb;
-use crate::scene::{Arrangement, Image, Mesh, PartStyle, Presence, Scene};
+use crate::scene::cut::{cap_material, tinted};
+use crate::scene::{Arrangement, Cut, Image, Mesh, Part, PartStyle, Presence, Primitive, Scene, Solids};
 
-/// The scene that `arrangement` makes of `scene`. Section planes and the selection are no part of it.
+/// The scene that `arrangement` makes of `scene`, with the caps of its section planes as parts. The planes themselves and
+/// the selection are no part of it: see [`Cut::planes`].
 pub fn arranged(scene: &Scene, arrangement: &Arrangement) -> Scene {
+    let cut = Cut::new(scene, arrangement, &Solids::of(scene));
+    let mut result = uncut(scene, arrangement);
+    for (index, cap) in cut.caps.iter().enumerate() {
+        let mut material = cap_material(scene, scene.parts[cap.part as usize].mesh);
+        if let Some(color) = arrangement.look(cap.part).color {
+            let [r, g, b] = tinted(color.map(|v| linear_from_srgb(v) as f32));
+            material.base_color = [r, g, b, material.base_color[3]];
+        }
+        let primitive = Primitive {
+            positions: cap.positions.iter().map(|&[x, y]| [x, y, 0.0]).collect(),
+            normals: vec![[0.0, 0.0, 1.0]; cap.positions.len()],
+            triangles: cap.triangles.clone(),
+            material: result.materials.len(),
+            ..Primitive::default()
+        };
+        let owner = &result.parts[cap.part as usize];
+        // As large as its owner, by which lengths are measured.
+        let part = Part {
+            name: format!("cap {index} of {}", owner.name),
+            node: owner.node,
+            mesh: result.meshes.len(),
+            world_from_part: cap.world_from_cap,
+            first_triangle: cap.first_triangle,
+            triangle_count: cap.triangles.len() as u32,
+            bounds: owner.bounds,
+        };
+        result.materials.push(material);
+        result.meshes.push(Mesh { name: part.name.clone(), primitives: vec![primitive] });
+        result.parts.push(part);
+    }
+    result
+}
+
+fn uncut(scene: &Scene, arrangement: &Arrangement) -> Scene {
     let mut result = scene.clone();
     let placed = arrangement.placed(scene);
     let nothing = result.meshes.len();

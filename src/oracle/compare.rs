@@ -7,6 +7,7 @@ use std::collections::HashMap;
 
 use glam::{DVec2, DVec3, Vec3};
 
+use super::cut::ViewCut;
 use super::neighbours::{Link, Neighbours, neighbours_expected};
 use super::raster::{Fragment, Layers};
 use super::store::StoreData;
@@ -15,7 +16,7 @@ use super::view::{Extents, View};
 use super::{composite, curvature, rasterize, shade, stylize};
 use crate::math::color::srgb_from_linear;
 use crate::math::{Camera, LightLevels, LightRig};
-use crate::scene::Scene;
+use crate::scene::{CutPlane, Scene};
 use crate::settings::{CurvatureSettings, DepthTerm, LightSettings, NormalEncoding, Settings};
 use crate::transfer::TransferFunction;
 
@@ -218,9 +219,24 @@ pub fn links(
     found: &[[Link; 4]],
     (term, reverse_check): (DepthTerm, bool),
 ) -> Comparison {
+    links_cut(scene, camera, &[], s, found, (term, reverse_check))
+}
+
+/// The same of a scene that planes cut.
+pub fn links_cut(
+    scene: &Scene,
+    camera: &Camera,
+    planes: &[CutPlane],
+    s: &StoreData,
+    found: &[[Link; 4]],
+    (term, reverse_check): (DepthTerm, bool),
+) -> Comparison {
     let view = View::new(camera, [s.width, s.height], DVec2::ZERO);
     let slope = (term == DepthTerm::Slope).then_some(&view);
-    let expected = neighbours_expected(s, &Extents::new(scene, camera), slope, reverse_check);
+    let mut expected = neighbours_expected(s, &Extents::new(scene, camera), slope, reverse_check);
+    if !planes.is_empty() {
+        ViewCut::new(planes, camera, view).apply(s, &mut expected);
+    }
     let pixel_of = s.pixel_of_fragment();
     let mut result = Comparison { samples: 4 * expected.links.len(), ..Comparison::default() };
     if found.len() != expected.links.len() {

@@ -9,6 +9,7 @@
 //! | capture | [`raster`] | scene, camera | [`Layers`]: every fragment of every pixel |
 //! | | [`buckets`] | the fragments of one pixel, k | the paper's Z, B and data slots |
 //! | | [`store`] | layers | [`StoreData`], the neutral form that read-backs have too |
+//! | | [`cut`] | positions, links | what section planes cut away and leave unknown |
 //! | features | [`neighbours`] | store | four [`Link`]s a fragment |
 //! | | [`curvature`] | store, links | κ and the 2×2 operator |
 //! | shading | [`shade`], [`lighting`] | store, lights | lit colour |
@@ -31,6 +32,7 @@ pub mod buckets;
 pub mod compare;
 pub mod composite;
 pub mod curvature;
+pub mod cut;
 pub mod lighting;
 pub mod neighbours;
 pub mod raster;
@@ -42,8 +44,9 @@ pub mod view;
 
 pub use buckets::{Books, BucketedPixel, PackedKey, WideKey, bucket_k_buffer};
 pub use curvature::{Curvature, curvature};
+pub use cut::ViewCut;
 pub use neighbours::{Direction, Link, Neighbours, neighbours, neighbours_expected};
-pub use raster::{Fragment, Layers, Pixel, SurfaceInputs, rasterize};
+pub use raster::{Fragment, Layers, Pixel, SurfaceInputs, rasterize, rasterize_cut};
 pub use store::StoreData;
 pub use view::{Extents, View};
 

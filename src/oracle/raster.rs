@@ -21,9 +21,11 @@
 
 use glam::{DMat3, DMat4, DVec2, DVec3, DVec4, Vec3};
 
+use super::cut::ViewCut;
 use super::texture;
+use super::view::View;
 use crate::math::{Camera, Projection};
-use crate::scene::{AlphaMode, Material, Part, Primitive, Scene};
+use crate::scene::{AlphaMode, CutPlane, Material, Part, Primitive, Scene};
 
 /// What a surface is made of at one point, before light.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -107,12 +109,18 @@ pub fn depth_key(clip_z: f64) -> u32 {
 /// Every fragment of every pixel of a picture of `scene` by `camera`, `size` = (width, height) pixels, the image shifted
 /// by `jitter` pixels (x right, y down).
 pub fn rasterize(scene: &Scene, camera: &Camera, size: [u32; 2], jitter: DVec2) -> Layers {
+    rasterize_cut(scene, camera, &[], size, jitter)
+}
+
+/// The same of a scene that planes cut; caps are parts of the scene.
+pub fn rasterize_cut(scene: &Scene, camera: &Camera, planes: &[CutPlane], size: [u32; 2], jitter: DVec2) -> Layers {
     let [width, height] = size;
     let mut layers = Layers { width, height, pixels: vec![Pixel::default(); width as usize * height as usize] };
     let frame = Frame {
         view_from_world: camera.view_from_world(),
         clip_from_view: camera.clip_from_view(camera.frustum(&scene.bounds()), size, jitter),
         perspective: matches!(camera.projection, Projection::Perspective { .. }),
+        cut: ViewCut::new(planes, camera, View::new(camera, size, jitter)),
     };
     for (index, part) in scene.parts.iter().enumerate() {
         let Some(mesh) = scene.meshes.get(part.mesh) else { continue };
@@ -121,7 +129,7 @@ pub fn rasterize(scene: &Scene, camera: &Camera, size: [u32; 2], jitter: DVec2) 
         for primitive in &mesh.primitives {
             for &corners in &primitive.triangles {
                 if let Some(triangle) = Triangle::new(scene, &frame, &placed, primitive, corners, number) {
-                    triangle.draw(&mut layers);
+                    triangle.draw(&frame.cut, &mut layers);
                 }
                 number += 1;
             }
@@ -150,6 +158,7 @@ struct Frame {
     view_from_world: DMat4,
     clip_from_view: DMat4,
     perspective: bool,
+    cut: ViewCut,
 }
 
 /// A part as this frame sees it.
@@ -260,7 +269,7 @@ impl<'a> Triangle<'a> {
     }
 
     /// Adds this triangle's fragments to the layers.
-    fn draw(&self, layers: &mut Layers) {
+    fn draw(&self, cut: &ViewCut, layers: &mut Layers) {
         let size = DVec2::new(f64::from(layers.width), f64::from(layers.height));
         // Pixels, y down, times w.
         let c = self.clip.map(|c| DVec3::new((c.w + c.x) * 0.5 * size.x, (c.w - c.y) * 0.5 * size.y, c.w));
@@ -288,14 +297,14 @@ impl<'a> Triangle<'a> {
         for y in first(low.y)..end(high.y, layers.height) {
             for x in first(low.x)..end(high.x, layers.width) {
                 let pixel = &mut layers.pixels[y as usize * layers.width as usize + x as usize];
-                self.sample(&edges, z_plane, DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5), pixel);
+                self.sample(cut, &edges, z_plane, DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5), pixel);
             }
         }
     }
 
     /// Adds the fragment at `sample`, if there is one. `edges` are opposite each vertex and positive inside; `z_plane`
     /// gives clip z over w, which is affine in the image, and is missing for a triangle seen edge-on.
-    fn sample(&self, edges: &[Edge; 3], z_plane: Option<DVec3>, sample: DVec2, pixel: &mut Pixel) {
+    fn sample(&self, cut: &ViewCut, edges: &[Edge; 3], z_plane: Option<DVec3>, sample: DVec2, pixel: &mut Pixel) {
         let mut margin = edges.iter().map(|e| e.distance(sample)).fold(f64::INFINITY, f64::min);
         if margin <= -EDGE_TOLERANCE {
             return;
@@ -324,6 +333,12 @@ impl<'a> Triangle<'a> {
         }
         let blend = |v: &[DVec3; 3]| v[0] * barycentrics[0] + v[1] * barycentrics[1] + v[2] * barycentrics[2];
         let position_in_view = blend(&self.positions_in_view);
+        let (is_cut, may_be_cut) = cut.cuts(self.part, position_in_view, self.geometric_normal);
+        let uncertain = uncertain || may_be_cut;
+        if is_cut {
+            pixel.ambiguous |= uncertain;
+            return;
+        }
         let smooth = blend(&self.normals_in_view);
         let normal_in_view = if smooth.is_finite() && smooth.length() >= DEGENERATE_NORMAL {
             if self.side { smooth.normalize() } else { -smooth.normalize() }

@@ -5,9 +5,11 @@
 //! change it (T27). A vertex can carry one number: triangles are turned, without changing their winding, until each begins
 //! with a vertex of its own, and where that fails a vertex is doubled.
 
+mod caps;
 pub mod cases;
 mod upload;
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use glam::DMat4;
@@ -16,7 +18,7 @@ use super::{Context, InstanceUniform};
 use crate::gpu::{Gpu, GpuError, RasterKernel, RasterSpec, ShaderSpec};
 use crate::math::Sphere;
 use crate::plan::{FramePlan, Pass};
-use crate::scene::{Arrangement, SceneStats};
+use crate::scene::{Arrangement, Cut, SceneStats, Solids};
 
 /// In which order parts are drawn. The picture does not depend on it, except through the ties of packed keys.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -43,6 +45,13 @@ pub struct GpuScene {
     pub part_table: wgpu::Buffer,
     /// How the parts are shown.
     pub arrangement: Arrangement,
+    /// Section planes and caps.
+    pub cut: Cut,
+    solids: Solids,
+    /// What belongs to the scene itself: caps come after it.
+    own: caps::Own,
+    /// The material of a mesh's caps, made when it is first cut.
+    cap_materials: HashMap<usize, usize>,
 }
 
 struct GpuPrimitive {
@@ -53,7 +62,8 @@ struct GpuPrimitive {
     /// Colour, uv sets, tangent; only where something reads them.
     extras: Option<wgpu::Buffer>,
     indices: wgpu::Buffer,
-    index_count: u32,
+    /// Its run of `indices`.
+    run: std::ops::Range<u32>,
 }
 
 struct GpuMaterial {
@@ -256,6 +266,14 @@ pub fn recolor(plan: &FramePlan) -> &'static str {
     if plan.recolored { "scene/recolor_by_part" } else { "scene/recolor_none" }
 }
 
+/// The module that lets section planes cut fragments, where there are any.
+pub fn clip(plan: &FramePlan) -> &'static str {
+    CLIP[usize::from(plan.section_planes > 0)]
+}
+
+/// The modules that decide whether a fragment is cut away: without and with section planes.
+pub const CLIP: [&str; 2] = ["scene/clip_none", "scene/clip_planes"];
+
 /// A fragment stage: adds its modules to a shader whose root is the vertex module.
 pub type FragmentStage<'a> = &'a dyn Fn(ShaderSpec) -> ShaderSpec;
 
@@ -304,7 +322,7 @@ fn draw_runs(
                 pass.set_vertex_buffer(2, extras.slice(..));
             }
             pass.set_index_buffer(primitive.indices.slice(..), wgpu::IndexFormat::Uint32);
-            pass.draw_indexed(0..primitive.index_count, 0, run.clone());
+            pass.draw_indexed(primitive.run.clone(), 0, run.clone());
         }
     }
 }

@@ -17,7 +17,7 @@ mod uniforms;
 
 pub use uniforms::{
     BlendParameters, CurvatureParameters, FrameUniform, InstanceUniform, MaterialUniform, OutlineParameters, PartFacts,
-    ShadeParameters, StoreLayout, TransferParameters,
+    Sections, ShadeParameters, StoreLayout, TransferParameters,
 };
 
 use crate::gpu::{Gpu, GpuError, Recorder, Resources, ShaderSpec, Shaders};

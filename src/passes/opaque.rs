@@ -4,7 +4,7 @@
 
 use crate::gpu::{GpuError, ShaderSpec};
 use crate::passes::Context;
-use crate::passes::geometry::{GpuScene, draw_opaque, draw_unsorted, recolor};
+use crate::passes::geometry::{GpuScene, clip, draw_opaque, draw_unsorted, recolor};
 use crate::passes::store::StoreModules;
 use crate::plan::FramePlan;
 use crate::scene::hard_case::{CaseCamera, Contrast, HardCase, Measure, Method, Source};
@@ -30,7 +30,7 @@ pub const CASES: &[HardCase] = &[HardCase {
 
 /// The shader, over a vertex stage.
 pub fn spec(plan: &FramePlan, vertex: ShaderSpec) -> ShaderSpec {
-    StoreModules::of(plan).normals(vertex.with("passes/opaque").with(recolor(plan)))
+    StoreModules::of(plan).normals(vertex.with("passes/opaque").with(recolor(plan)).with(clip(plan)))
 }
 
 /// Draws the nearest surfaces into `target` (Rg32Uint).
@@ -47,9 +47,9 @@ pub fn opaque(
     draw_opaque(context, scene, target, depth, &|vertex| spec(plan, vertex))
 }
 
-/// The shader of [`unsorted`], over a vertex stage.
-pub fn unsorted_spec(vertex: ShaderSpec) -> ShaderSpec {
-    vertex.with("passes/unsorted")
+/// The shader of [`unsorted`], over a vertex stage, with one of [`super::geometry::CLIP`].
+pub fn unsorted_spec(vertex: ShaderSpec, clip: &'static str) -> ShaderSpec {
+    vertex.with("passes/unsorted").with(clip)
 }
 
 /// Blends every fragment as it comes into `target` (Rgba16Float): the lower bound that benchmarks compare with.
@@ -57,5 +57,6 @@ pub fn unsorted_spec(vertex: ShaderSpec) -> ShaderSpec {
 /// # Errors
 /// [`GpuError`] of the device.
 pub fn unsorted(context: &mut Context<'_>, scene: &GpuScene, target: &wgpu::TextureView) -> Result<(), GpuError> {
-    draw_unsorted(context, scene, target, &unsorted_spec)
+    let clip = clip(context.plan);
+    draw_unsorted(context, scene, target, &|vertex| unsorted_spec(vertex, clip))
 }

@@ -9,7 +9,7 @@ use std::collections::HashSet;
 use super::capture::{bucketed_k_buffer, buckets, compacted, sort};
 use super::composite::outline;
 use super::features::{curvature, neighbours};
-use super::geometry::{Vertices, vertex_stages};
+use super::geometry::{CLIP, Vertices, vertex_stages};
 use super::store::StoreModules;
 use super::{composite, opacity, opaque, shade};
 use crate::gpu::ShaderSpec;
@@ -70,7 +70,7 @@ fn shaders_of(plan: &FramePlan, pass: Pass) -> Vec<Used> {
         Pass::Clear => one(bucketed_k_buffer::clear_spec(plan)),
         Pass::ZInsertion => drawn(Vertices::Depth, &|v| bucketed_k_buffer::z_insertion_spec(plan, v)),
         Pass::CountLayers => one(bucketed_k_buffer::count_layers_spec()),
-        Pass::Count => drawn(Vertices::Depth, &compacted::count_spec),
+        Pass::Count => drawn(Vertices::Depth, &|v| compacted::count_spec(plan, v)),
         Pass::PrefixSum => vec![(compacted::prefix_sum_spec(), &compacted::PREFIX_SUM_ENTRIES)],
         Pass::Append => drawn(Vertices::Surface, &|v| compacted::append_spec(plan, v)),
         Pass::Sort => sorted(plan, compacted::SORTED, true),
@@ -88,11 +88,12 @@ fn shaders_of(plan: &FramePlan, pass: Pass) -> Vec<Used> {
             let open = open.map(|spec| (spec, neighbours::OPEN_ENTRIES.as_slice()));
             links.map(|f| (neighbours::links_spec(plan, f), neighbours::links_entries(f))).chain(open).collect()
         }
+        Pass::CutLinks => one(neighbours::cut_spec(plan)),
         Pass::Curvature => plan.features.iter().map(|f| (curvature::spec(plan, f), MAIN)).collect(),
         Pass::Shade => one(shade::spec(plan)),
         Pass::Stylize => one(opacity::spec(plan)),
         Pass::Blend => one(composite::blend_spec(plan)),
-        Pass::OutlineMask => drawn(Vertices::Depth, &outline::mask_spec),
+        Pass::OutlineMask => drawn(Vertices::Depth, &|v| outline::mask_spec(plan, v)),
         Pass::Outline => one(outline::outline_spec()),
         Pass::Accumulate => one(composite::accumulate_spec()),
     }
@@ -107,6 +108,8 @@ pub fn all_plans() -> Vec<FramePlan> {
         SceneStats { parts: 1, blended_materials: 1, ..empty },
         SceneStats { recolored_parts: 1, selected_parts: 1, ..plain.clone() },
         SceneStats { faded_parts: 1, recolored_parts: 1, ..plain.clone() },
+        SceneStats { section_planes: 2, selected_parts: 1, ..plain.clone() },
+        SceneStats { section_planes: 1, faded_parts: 1, recolored_parts: 1, ..plain.clone() },
         plain,
     ];
     let opacities = all_opacities();
@@ -120,10 +123,8 @@ pub fn all_plans() -> Vec<FramePlan> {
                     continue;
                 };
                 let passes: Vec<Pass> = plan.passes.iter().map(|p| p.pass).collect();
-                let key = format!(
-                    "{:?}",
-                    (plan.capture, plan.normals, plan.features, plan.opacity, plan.faded, plan.recolored, passes)
-                );
+                let looks = (plan.faded, plan.recolored, plan.section_planes > 0);
+                let key = format!("{:?}", (plan.capture, plan.normals, plan.features, plan.opacity, looks, passes));
                 if seen.insert(key) {
                     plans.push(plan);
                 }
@@ -183,7 +184,7 @@ fn all_settings() -> Vec<Settings> {
 
 /// Every shader of every plan, each once, and those of measurements.
 pub fn all_shaders() -> Vec<PassShader> {
-    let unsorted = drawn(Vertices::Surface, &opaque::unsorted_spec).into_iter();
+    let unsorted = CLIP.into_iter().flat_map(|clip| drawn(Vertices::Surface, &|v| opaque::unsorted_spec(v, clip)));
     let measured = |(spec, entries)| PassShader {
         pass: Pass::Opaque,
         spec,

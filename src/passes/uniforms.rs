@@ -100,6 +100,20 @@ pub struct PartFacts {
     pub color: [f32; 4],
 }
 
+/// `Sections` in `scene/sections.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct Sections {
+    /// View space: xyz · point + w > 0 is cut away.
+    pub planes: [[f32; 4]; 6],
+    /// For each plane the run of parts that close its cut: first, end, unused.
+    pub caps: [[u32; 4]; 6],
+    /// How many planes there are.
+    pub count: u32,
+    /// Unused.
+    pub _pad: [u32; 3],
+}
+
 /// `CurvatureParameters` in `passes/features/curvature.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]

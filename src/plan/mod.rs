@@ -190,6 +190,8 @@ pub struct FramePlan {
     pub faded: bool,
     /// Whether parts have colours of their own.
     pub recolored: bool,
+    /// Section planes that cut.
+    pub section_planes: u64,
     /// What runs, in order.
     pub passes: Vec<PlannedPass>,
     /// What does not.
@@ -318,6 +320,7 @@ fn plan_rows(
     if capture != Capture::None {
         plan_layers(&mut draft, settings, scene, capture, features, opacity);
     }
+    plan_sections(&mut draft, scene);
     match scene.selected_parts {
         0 => draft.skip("outline", "nothing is selected"),
         n => {
@@ -344,6 +347,7 @@ fn plan_rows(
         opacity,
         faded: capture != Capture::None && scene.faded_parts + scene.solid_parts > 0,
         recolored: scene.recolored_parts > 0,
+        section_planes: scene.section_planes,
         passes: draft.passes,
         skipped: draft.skipped,
         buffers: Vec::new(),
@@ -353,6 +357,24 @@ fn plan_rows(
     };
     memory::fill(&mut plan, picked, view, capabilities)?;
     Ok(plan)
+}
+
+/// Section planes belong to the passes that draw geometry: the first of them says so.
+fn plan_sections(draft: &mut Draft, scene: &SceneStats) {
+    let (planes, caps) = match (scene.section_planes, scene.caps) {
+        (0, _) => return draft.skip("sections", "no plane cuts the scene"),
+        (1, caps) => ("1 plane cuts the scene".to_owned(), caps),
+        (n, caps) => (format!("{n} planes cut the scene"), caps),
+    };
+    let drawn = [Pass::Opaque, Pass::ZInsertion, Pass::Count];
+    if let Some(first) = draft.passes.iter_mut().find(|p| drawn.contains(&p.pass)) {
+        let closed = match caps {
+            0 => String::new(),
+            1 => ", 1 cap closes it".to_owned(),
+            n => format!(", {n} caps close it"),
+        };
+        first.reason += &format!("; sections: {planes}{closed}");
+    }
 }
 
 /// "1 part is", "3 parts are".
@@ -520,6 +542,9 @@ fn plan_layers(
             } else {
                 draft.skip("neighbour links", "features.reverse_check is off");
             }
+        }
+        if scene.section_planes > 0 {
+            draft.run(Pass::CutLinks, "a cut is unknown to features, not a silhouette (T10)");
         }
         draft.run(Pass::Curvature, "a transfer function varies with curvature");
     } else {

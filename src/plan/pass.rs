@@ -39,6 +39,8 @@ pub enum Pass {
     NeighbourCandidates,
     /// Reverse check.
     NeighbourLinks,
+    /// What section planes cut is unknown.
+    CutLinks,
     /// Curvature.
     Curvature,
     /// Light.
@@ -57,7 +59,7 @@ pub enum Pass {
 
 impl Pass {
     /// All passes, in order.
-    pub const ALL: [Pass; 23] = [
+    pub const ALL: [Pass; 24] = [
         Pass::Opaque,
         Pass::ShowOpaque,
         Pass::Clear,
@@ -74,6 +76,7 @@ impl Pass {
         Pass::DataStorage,
         Pass::NeighbourCandidates,
         Pass::NeighbourLinks,
+        Pass::CutLinks,
         Pass::Curvature,
         Pass::Shade,
         Pass::Stylize,
@@ -102,6 +105,7 @@ impl Pass {
             Pass::DataStorage => "data storage",
             Pass::NeighbourCandidates => "neighbour candidates",
             Pass::NeighbourLinks => "neighbour links",
+            Pass::CutLinks => "cut links",
             Pass::Curvature => "curvature",
             Pass::Shade => "shade",
             Pass::Stylize => "stylize",

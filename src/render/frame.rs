@@ -89,7 +89,7 @@ pub(super) fn draw(
     let (image, blank) = (targets.image.clone(), targets.blank.clone());
     let sums = targets.sums.clone();
     let (opaque_targets, mask) = (targets.opaque.clone(), targets.mask.clone());
-    bind_settings(renderer, scene, settings, transfer, &plan)?;
+    bind_settings(renderer, scene, camera, settings, transfer, &plan)?;
     renderer.resources.set("image", Resource::Texture(image.create_view(&Default::default())));
     if let Some([colors, _]) = &opaque_targets {
         renderer.resources.set("opaque_colors", Resource::Texture(colors.clone()));
@@ -187,7 +187,7 @@ pub(super) fn time_unsorted(
     let (image, blank) = (targets.image.clone(), targets.blank.clone());
     let usage = wgpu::TextureUsages::RENDER_ATTACHMENT;
     let target = texture(&gpu, "unsorted", plan.size, wgpu::TextureFormat::Rgba16Float, usage);
-    bind_settings(renderer, scene, settings, transfer, plan)?;
+    bind_settings(renderer, scene, camera, settings, transfer, plan)?;
     let layout = &renderer.shaders.shared.instances;
     let instances = Arc::new(scene.instances(&gpu, layout, &camera.view_from_world(), renderer.draw_order)?);
     let frustum = camera.frustum(&scene.stats.bounds);
@@ -461,6 +461,7 @@ fn aliases(renderer: &mut Renderer, plan: &FramePlan) {
 pub(super) fn bind_settings(
     renderer: &mut Renderer,
     scene: &GpuScene,
+    camera: &Camera,
     settings: &Settings,
     transfer: &TransferFunction,
     plan: &FramePlan,
@@ -470,6 +471,9 @@ pub(super) fn bind_settings(
     renderer.resources.retain(|name| planned.contains(&name));
     let resources = &mut renderer.resources;
     resources.set("part_table", Resource::Buffer(scene.part_table.clone()));
+    if plan.section_planes > 0 {
+        resources.set("sections", Resource::Buffer(gpu.uniform("sections", &scene.sections(camera))?));
+    }
     resources.set("lights", Resource::Buffer(gpu.uniform("lights", &shade::parameters(&settings.light))?));
     if let Some(features) = &plan.features {
         let parameters = curvature::parameters(features, &settings.features.curvature);

@@ -100,7 +100,7 @@ pub struct FrameReport {
 }
 
 /// What became of a scene's parts.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ArrangementReport {
     /// Parts that are shown.
     pub shown: usize,
@@ -110,6 +110,10 @@ pub struct ArrangementReport {
     pub hidden: usize,
     /// The box around what is drawn, in scene space.
     pub bounds: Bounds,
+    /// Caps that close what section planes cut.
+    pub caps: usize,
+    /// What a user should know: parts that could not be closed, one sentence a section.
+    pub notices: Vec<String>,
 }
 
 /// A picture and its report.
@@ -199,7 +203,7 @@ impl Renderer {
         arrangement: &Arrangement,
     ) -> Result<ArrangementReport, RenderError> {
         arrangement.check(scene)?;
-        loaded.arrange(&self.gpu, scene, arrangement)?;
+        loaded.arrange(&self.gpu, &self.shaders.shared, scene, arrangement)?;
         let count = |presence| {
             let parts = 0..scene.parts.len() as u32;
             parts.filter(|&part| arrangement.look(part).presence == presence).count()
@@ -209,6 +213,8 @@ impl Renderer {
             ghosted: count(Presence::Ghosted),
             hidden: count(Presence::Hidden),
             bounds: loaded.stats.bounds,
+            caps: loaded.cut.caps.len(),
+            notices: loaded.cut.notices(scene),
         })
     }
 

@@ -24,7 +24,7 @@ use crate::transfer::TransferFunction;
 /// One layer under a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PickedLayer {
-    /// Index of the part.
+    /// Index of the part; of a cap, the part that it closes.
     pub part: u32,
     /// Distance along the view, scene units.
     pub depth: f64,
@@ -136,7 +136,7 @@ impl Renderer {
                     .clone()
             }
         };
-        frame::bind_settings(self, scene, settings, transfer, plan)?;
+        frame::bind_settings(self, scene, camera, settings, transfer, plan)?;
         let view_from_world = camera.view_from_world();
         let layout = &self.shaders.shared.instances;
         let seen = oracle::View::new(camera, plan.size, DVec2::ZERO);
@@ -195,7 +195,7 @@ impl Renderer {
         let ghost = settings.opacity.ghost as f32;
         let world_from_view = view_from_world.inverse();
         let layer = |i: usize| {
-            let (part, depth) = (store.layers.part[i], store.layers.depth[i]);
+            let (part, depth) = (scene.cut.owner(store.layers.part[i]), store.layers.depth[i]);
             let alpha = (store.lit[i][3] * constant).clamp(0.0, 1.0);
             PickedLayer {
                 part,

@@ -248,7 +248,8 @@ impl Arrangement {
         })
     }
 
-    /// What the planner needs to know of the arranged scene.
+    /// What the planner needs to know of the arranged scene, but for the caps of section planes
+    /// ([`super::Cut::count_into`]).
     pub fn stats(&self, scene: &Scene) -> SceneStats {
         let placed = self.placed(scene);
         let mut stats = SceneStats::of_parts(scene, |part| self.is_drawn(part));
@@ -259,6 +260,7 @@ impl Arrangement {
             stats.solid_parts += u64::from(look.style == PartStyle::Solid);
             stats.recolored_parts += u64::from(look.color.is_some());
         }
+        stats.section_planes = self.sections.iter().filter(|s| s.enabled).count() as u64;
         stats.selected_parts = drawn.filter(|part| self.selected.contains(part)).count() as u64;
         stats
     }

@@ -45,6 +45,8 @@ pub enum Source {
     ThroughFile(&'static str),
     /// A GLB made in memory, imported.
     Bytes(fn() -> Vec<u8>),
+    /// A built-in scene, cut open by a plane (normal, offset) without a cap.
+    Cut(&'static str, DVec3, f64),
 }
 
 /// How a case is looked at.
@@ -166,7 +168,7 @@ pub enum Measure {
     NormalError,
     /// Share of links that are not those that the oracle finds in the same store.
     LinksWrong,
-    /// Share of links that are *missing*, and hence a rim, where whole lists in an unchanged picture do not say so.
+    /// Share of links that are *missing*, and hence a rim, where whole lists in an unchanged and uncut picture do not say so.
     FalseRims,
     /// Share of links that differ from those of another scene with the same fragments.
     LinksUnlike(Source),

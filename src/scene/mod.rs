@@ -14,6 +14,7 @@
 
 pub mod arrangement;
 pub mod builtin;
+pub mod cut;
 mod digest;
 pub mod hard_case;
 mod normals;
@@ -27,6 +28,7 @@ use rayon::prelude::*;
 use crate::math::{Bounds, Projection};
 
 pub use arrangement::{Arrangement, ArrangementError, PartLook, PartStyle, Presence, Section};
+pub use cut::{Cap, Cut, CutPlane, Solids};
 pub use normals::{compute_normals, interpolated_normals, reweighted_normals};
 pub use statistics::SceneStats;
 

@@ -32,6 +32,10 @@ pub struct SceneStats {
     pub recolored_parts: u64,
     /// Drawn parts that are outlined.
     pub selected_parts: u64,
+    /// Section planes that cut.
+    pub section_planes: u64,
+    /// Caps that close what they cut; each counts as a part.
+    pub caps: u64,
 }
 
 impl SceneStats {
@@ -66,6 +70,8 @@ impl SceneStats {
             solid_parts: 0,
             recolored_parts: 0,
             selected_parts: 0,
+            section_planes: 0,
+            caps: 0,
         }
     }
 

@@ -1,11 +1,11 @@
 //! Settings chosen by a promise: as accurate as possible within a time, or as fast as possible below an error.
 //!
 //! What is chosen was measured, on this machine, for this scene and view ([`Measurements`], which may be kept between runs).
-//! Every candidate is judged by one reference, the supersampled exact picture, so that a missing layer and a jagged edge count
+//! Every candidate is judged by one reference, the exact picture with at least 16 samples and twice as many as any candidate, so that a missing layer and a jagged edge count
 //! on one scale: mean FLIP. Two steps:
 //!
 //! 1. **Techniques.** The configurations of every axis but those of look, at the size asked for with one sample a pixel.
-//!    Those that no other beats in both time and error go on, at most [`MOST_TECHNIQUES`] of them.
+//!    Those that no other beats in both time and error go on, at most [`MOST_TECHNIQUES`] of them, and what was asked for.
 //! 2. **Density.** Each of them with fewer pixels (enlarged to the size asked for) or more samples. Time grows and error falls
 //!    with density: for a time, the densest that fits is searched outwards from where proportion puts it; for an error, the
 //!    sparsest that suffices by halving.
@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
-use super::axis::{self, AxisError, Configuration, Judge};
+use super::axis::{self, AS_ASKED, AxisError, Configuration, Judge};
 use super::diagram::{Point, pareto_front};
 use super::image_error::{self, ImageError};
 use super::reference;
@@ -34,28 +34,38 @@ const FRAMES: usize = 3;
 /// Timed frames behind a promise: from six on an interval can hold 95 % (see `statistics`).
 const PROMISED_FRAMES: usize = 7;
 
-/// Densities in ascending order: factor of the size, samples a pixel.
-const DENSITIES: &[(f64, u32)] = &[
-    (0.125, 1),
-    (0.1875, 1),
-    (0.25, 1),
-    (0.375, 1),
-    (0.5, 1),
-    (0.625, 1),
-    (0.75, 1),
-    (0.875, 1),
-    (1.0, 1),
-    (1.0, 2),
-    (1.0, 3),
-    (1.0, 4),
-    (1.0, 6),
-    (1.0, 8),
-];
-/// The size asked for, one sample.
-const PLAIN: usize = 8;
+/// How densely the scene is sampled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Density {
+    /// Factor of the size.
+    scale: f64,
+    /// Samples a pixel.
+    samples: u32,
+}
+
+impl Density {
+    /// The size asked for, one sample.
+    const PLAIN: Density = Density { scale: 1.0, samples: 1 };
+
+    /// Pixels times samples, over the plain picture's.
+    fn relative(self) -> f64 {
+        self.scale * self.scale * f64::from(self.samples)
+    }
+}
+
+/// Densities in ascending order; those that are asked for are among them.
+fn densities(asked: u32) -> Vec<Density> {
+    let sparse = [0.125, 0.1875, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875].map(|scale| Density { scale, samples: 1 });
+    let mut samples = vec![1, 2, 3, 4, 6, 8, asked];
+    samples.sort_unstable();
+    samples.dedup();
+    let dense = samples.into_iter().map(|samples| Density { scale: 1.0, samples });
+    sparse.into_iter().chain(dense).collect()
+}
 
 /// What is promised.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Goal {
     /// A frame takes at most this long, milliseconds of wall time from settings to picture.
     Time(f64),
@@ -104,24 +114,37 @@ pub struct Measurements {
     pub entries: Vec<Entry>,
 }
 
+/// Whether a promise holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// By all that was measured.
+    Kept,
+    /// It seems so, from too few frames to tell.
+    Unsure,
+    /// Nothing that was measured keeps it.
+    Broken,
+}
+
 /// What was chosen and why.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Choice {
     /// What differs from what was asked for.
     pub name: String,
     /// Its settings.
-    #[serde(skip)]
     pub settings: Settings,
     /// Factor of the size of the picture.
     pub scale: f64,
     /// Mean FLIP.
     pub flip: f64,
+    /// Samples a pixel of the picture that it is taken against.
+    pub reference_samples: u32,
     /// Time of a frame, milliseconds.
     pub time: Estimate,
     /// First impression of the time of what was asked for, with one sample, milliseconds.
     pub asked: f64,
     /// Whether the promise holds.
-    pub kept: bool,
+    pub verdict: Verdict,
     /// Candidates that were compared.
     pub compared: usize,
     /// Whether the time for measuring ended before everything was compared.
@@ -186,12 +209,17 @@ pub fn choose(
         let (at, choice) = chooser.decide(goal)?;
         // What fits by a lucky moment is found out by frames of another moment.
         let frames = chooser.measured.entries[at].frames.len();
-        let sure = !choice.kept || matches!(goal, Goal::Error(_)) || frames >= 2 * PROMISED_FRAMES;
+        let sure = choice.verdict == Verdict::Broken || matches!(goal, Goal::Error(_)) || frames >= 2 * PROMISED_FRAMES;
         if sure || !chooser.may_go_on() {
             return Ok(choice);
         }
         chooser.time(at, 2 * PROMISED_FRAMES, f64::INFINITY);
     }
+}
+
+/// How many settings a configuration changes, by its name.
+fn changes(name: &str) -> usize {
+    name.matches('=').count()
 }
 
 /// The configurations of step 1: one sample a pixel, every axis but look and sampling.
@@ -205,25 +233,23 @@ fn technique_configurations(base: &Settings) -> Result<Vec<Configuration>, AxisE
     Ok(all)
 }
 
-/// A configuration at a density.
-fn at_density(configuration: &Configuration, density: usize) -> Entry {
-    let (scale, samples) = DENSITIES[density];
+/// A configuration at a density, named by what differs from what was asked for.
+fn at_density(configuration: &Configuration, density: Density, asked: u32) -> Entry {
+    let Density { scale, samples } = density;
     let mut settings = configuration.settings.clone();
     settings.image.samples = samples;
-    let mut name = configuration.name.clone();
+    let mut changes = Vec::new();
+    if configuration.name != AS_ASKED {
+        changes.push(configuration.name.clone());
+    }
     if scale != 1.0 {
-        name += &format!(", resolution={scale}");
+        changes.push(format!("resolution={scale}"));
     }
-    if samples != 1 {
-        name += &format!(", samples={samples}");
+    if samples != asked {
+        changes.push(format!("samples={samples}"));
     }
+    let name = if changes.is_empty() { AS_ASKED.to_owned() } else { changes.join(", ") };
     Entry { name, settings, scale, error: None, frames: Vec::new(), refused: None }
-}
-
-/// Pixels times samples, over the plain picture's.
-fn relative_density(density: usize) -> f64 {
-    let (scale, samples) = DENSITIES[density];
-    scale * scale * f64::from(samples)
 }
 
 impl<'a> Chooser<'a> {
@@ -235,7 +261,7 @@ impl<'a> Chooser<'a> {
         progress: &'a mut dyn FnMut(&str),
     ) -> Result<Chooser<'a>, BudgetError> {
         let mut reference_settings = reference::supersampled(base, &axis::all()).map_err(AxisError::from)?;
-        let most = DENSITIES.iter().map(|d| d.1).fold(1, u32::max);
+        let most = densities(base.image.samples).iter().map(|d| d.samples).fold(1, u32::max);
         reference_settings.image.samples = reference_settings.image.samples.max(2 * most);
         Ok(Chooser {
             bench,
@@ -356,11 +382,12 @@ impl<'a> Chooser<'a> {
         let all = technique_configurations(self.base)?;
         let mut points = Vec::new();
         for (i, configuration) in all.iter().enumerate() {
-            let at = self.enter(at_density(configuration, PLAIN));
+            let at = self.enter(at_density(configuration, Density::PLAIN, self.base.image.samples));
             let Some(error) = self.error(at)? else { continue };
             self.time(at, FRAMES, f64::INFINITY);
             let Some(time) = self.impression(at) else { continue };
-            points.push((i, Point { label: String::new(), time: [time.low, time.median, time.high], error }));
+            points
+                .push((i, Point { label: String::new(), time: [time.low, time.median, time.high], error, sure: true }));
         }
         if points.is_empty() {
             return Err(self.nothing_drawn());
@@ -373,25 +400,31 @@ impl<'a> Chooser<'a> {
         front.dedup_by(|b, a| a.1.error == b.1.error);
         let last = front.len() - 1;
         let kept = MOST_TECHNIQUES.min(front.len());
-        let spread = (0..kept).map(|i| front[if kept == 1 { 0 } else { i * last / (kept - 1) }].0);
-        Ok(spread.map(|i| all[i].clone()).collect())
+        let mut spread: Vec<usize> =
+            (0..kept).map(|i| front[if kept == 1 { 0 } else { i * last / (kept - 1) }].0).collect();
+        // What was asked for is tried in any case: where others are no better, it is kept.
+        if !spread.contains(&0) {
+            spread.push(0);
+        }
+        Ok(spread.into_iter().map(|i| all[i].clone()).collect())
     }
 
     /// Step 2 for a time: measures around the densest that fits.
     fn densest_within(&mut self, technique: &Configuration, limit: f64) -> Result<(), RenderError> {
-        let plain = self.enter(at_density(technique, PLAIN));
+        let asked = self.base.image.samples;
+        let all = densities(asked);
+        let plain = self.enter(at_density(technique, Density::PLAIN, asked));
         let Some(time) = self.impression(plain) else { return Ok(()) };
-        let fits_by_proportion = |d: &usize| relative_density(*d) * time.median <= limit;
-        let mut density = (0..DENSITIES.len()).rev().find(fits_by_proportion).unwrap_or(0);
+        let mut density = all.iter().rposition(|d| d.relative() * time.median <= limit).unwrap_or(0);
         let mut last_fitted = None;
         loop {
-            let at = self.enter(at_density(technique, density));
+            let at = self.enter(at_density(technique, all[density], asked));
             let fits = self.time(at, PROMISED_FRAMES, 1.5 * limit).is_some_and(|t| t.high <= limit);
             self.error(at)?;
             match (fits, last_fitted) {
                 // Up as long as it fits, then the last was the densest; down until one fits.
                 (true, Some(false)) | (false, Some(true)) => break,
-                (true, _) if density + 1 < DENSITIES.len() => density += 1,
+                (true, _) if density + 1 < all.len() => density += 1,
                 (false, _) if density > 0 => density -= 1,
                 _ => break,
             }
@@ -404,10 +437,12 @@ impl<'a> Chooser<'a> {
     fn sparsest_below(&mut self, technique: &Configuration, limit: f64) -> Result<(), RenderError> {
         let mut tried = Vec::new();
         // All below `low` are too wrong, all from `high` on suffice, if error falls with density.
-        let (mut low, mut high) = (0, DENSITIES.len());
-        let mut next = PLAIN;
+        let asked = self.base.image.samples;
+        let all = densities(asked);
+        let (mut low, mut high) = (0, all.len());
+        let mut next = all.iter().position(|d| *d == Density::PLAIN).unwrap_or(0);
         while low < high {
-            let at = self.enter(at_density(technique, next));
+            let at = self.enter(at_density(technique, all[next], asked));
             let Some(error) = self.error(at)? else { break };
             tried.push(at);
             if error <= limit {
@@ -442,46 +477,57 @@ impl<'a> Chooser<'a> {
             })
             .collect();
         let keeps = |c: &Candidate| match goal {
-            // A single frame has no interval and promises nothing.
-            Goal::Time(limit) => c.time.high <= limit && c.time.count >= PROMISED_FRAMES,
+            Goal::Time(limit) => c.time.high <= limit,
             Goal::Error(limit) => c.flip <= limit,
         };
-        let (flip, time) = (|c: &Candidate| c.flip, |c: &Candidate| c.time.median);
-        let least = |of: &[&Candidate], by: [&dyn Fn(&Candidate) -> f64; 2]| {
-            let key = |c: &Candidate| (by[0](c), by[1](c));
-            of.iter().min_by(|a, b| key(a).partial_cmp(&key(b)).unwrap_or(std::cmp::Ordering::Equal)).map(|c| c.at)
-        };
-        let kept: Vec<&Candidate> = found.iter().filter(|c| keeps(c)).collect();
+        // An interval of few frames promises nothing.
+        let is_sure = |c: &Candidate| matches!(goal, Goal::Error(_)) || c.time.count >= PROMISED_FRAMES;
+        let name = |c: &Candidate| self.measured.entries[c.at].name.as_str();
+        let surely: Vec<&Candidate> = found.iter().filter(|c| keeps(c) && is_sure(c)).collect();
+        let perhaps: Vec<&Candidate> = found.iter().filter(|c| keeps(c)).collect();
         let all: Vec<&Candidate> = found.iter().collect();
-        let chosen = match (goal, kept.is_empty()) {
-            (Goal::Time(_), false) => least(&kept, [&flip, &time]),
-            (Goal::Error(_), false) => least(&kept, [&time, &flip]),
-            (Goal::Time(_), true) => least(&all, [&time, &flip]),
-            (Goal::Error(_), true) => least(&all, [&flip, &time]),
+        let (verdict, among) = match (surely.is_empty(), perhaps.is_empty()) {
+            (false, _) => (Verdict::Kept, surely),
+            (true, false) => (Verdict::Unsure, perhaps),
+            (true, true) => (Verdict::Broken, all),
         };
-        let Some(chosen) = found.iter().find(|c| Some(c.at) == chosen) else {
+        let by_error = matches!(goal, Goal::Time(_)) == (verdict != Verdict::Broken);
+        let best = |of: &dyn Fn(&Candidate) -> f64| among.iter().map(|c| of(c)).fold(f64::INFINITY, f64::min);
+        // Of what cannot be told apart, the one that changes least of what was asked for.
+        let (least_error, least_time) = (best(&|c| c.flip), best(&|c| c.time.median));
+        let as_good = |c: &&&Candidate| {
+            let within_noise = c.time.low <= least_time && c.time.median <= 1.1 * least_time;
+            if by_error { c.flip <= 1.02 * least_error } else { within_noise }
+        };
+        let chosen = among.iter().filter(as_good).min_by(|a, b| {
+            let key = |c: &Candidate| (changes(name(c)), if by_error { c.time.median } else { c.flip });
+            let (a, b) = (key(a), key(b));
+            a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+        });
+        let Some(chosen) = chosen.copied() else {
             return Err(self.nothing_drawn());
         };
-        let others: Vec<&Candidate> = all.iter().copied().filter(|c| !keeps(c)).collect();
-        let name = |at: usize| &self.measured.entries[at].name;
-        let reason = match (goal, kept.is_empty()) {
-            (Goal::Time(_), false) => {
-                let better = others.iter().filter(|c| c.flip < chosen.flip).min_by(|a, b| time(a).total_cmp(&time(b)));
-                better.map_or_else(
-                    || "nothing more accurate was found".to_owned(),
-                    |c| format!("'{}', with FLIP {:.4}, takes {:.1} ms", name(c.at), c.flip, c.time.median),
+        let others = found.iter().filter(|c| !keeps(c));
+        let reason = match (goal, verdict) {
+            (_, Verdict::Broken) if by_error => "the most accurate found; nothing suffices".to_owned(),
+            (_, Verdict::Broken) => "the fastest found; nothing fits".to_owned(),
+            (Goal::Time(_), _) => {
+                let better = others.filter(|c| c.flip < 0.98 * chosen.flip);
+                better.min_by(|a, b| a.time.median.total_cmp(&b.time.median)).map_or_else(
+                    || "nothing noticeably more accurate was found".to_owned(),
+                    |c| {
+                        let Estimate { median, high, .. } = c.time;
+                        format!("'{}', with FLIP {:.4}, takes {median:.1} ms (up to {high:.1})", name(c), c.flip)
+                    },
                 )
             }
-            (Goal::Error(_), false) => {
-                let faster =
-                    others.iter().filter(|c| time(c) < time(chosen)).min_by(|a, b| flip(a).total_cmp(&flip(b)));
-                faster.map_or_else(
+            (Goal::Error(_), _) => {
+                let faster = others.filter(|c| c.time.median < chosen.time.median);
+                faster.min_by(|a, b| a.flip.total_cmp(&b.flip)).map_or_else(
                     || "nothing faster was found".to_owned(),
-                    |c| format!("'{}', {:.1} ms, has FLIP {:.4}", name(c.at), c.time.median, c.flip),
+                    |c| format!("'{}', {:.1} ms, has FLIP {:.4}", name(c), c.time.median, c.flip),
                 )
             }
-            (Goal::Time(_), true) => "the fastest found; nothing fits".to_owned(),
-            (Goal::Error(_), true) => "the most accurate found; nothing suffices".to_owned(),
         };
         let entry = &self.measured.entries[chosen.at];
         let choice = Choice {
@@ -489,9 +535,10 @@ impl<'a> Chooser<'a> {
             settings: entry.settings.clone(),
             scale: entry.scale,
             flip: chosen.flip,
+            reference_samples: self.reference_settings.image.samples,
             time: chosen.time,
             asked: self.impression(0).map_or(f64::NAN, |t| t.median),
-            kept: !kept.is_empty(),
+            verdict,
             compared: found.len(),
             cut_short: self.cut_short,
             reason,

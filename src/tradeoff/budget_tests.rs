@@ -63,14 +63,19 @@ fn within_a_time_the_most_accurate_is_chosen() {
     // Compacted takes 8 ms a sample: three fit into 30 ms, four do not.
     let choice = chosen(&mut stand_in(), Goal::Time(30.0), &mut measured);
     println!("{choice:#?}");
-    assert!(choice.kept && !choice.cut_short && choice.time.high <= 30.0 && choice.time.count >= PROMISED_FRAMES);
+    assert!(
+        choice.verdict == Verdict::Kept
+            && !choice.cut_short
+            && choice.time.high <= 30.0
+            && choice.time.count >= PROMISED_FRAMES
+    );
     let fits = |e: &&Entry| estimate(&e.frames, 1).is_some_and(|t| t.high <= 30.0 && t.count >= PROMISED_FRAMES);
     let best = measured.entries.iter().filter(fits).filter_map(|e| Some(e.error?.flip_mean)).fold(1.0, f64::min);
-    assert_eq!(choice.flip, best, "nothing that fits is more accurate");
+    assert!(choice.flip <= 1.02 * best, "nothing that fits is noticeably more accurate");
     assert!(choice.reason.contains("takes"), "{}", choice.reason);
     // A shorter time gives a sparser picture.
     let shorter = chosen(&mut stand_in(), Goal::Time(4.0), &mut measured);
-    assert!(shorter.kept && shorter.time.high <= 4.0 && shorter.flip > choice.flip, "{shorter:?}");
+    assert!(shorter.verdict == Verdict::Kept && shorter.time.high <= 4.0 && shorter.flip > choice.flip, "{shorter:?}");
     assert!(shorter.scale < 1.0 || shorter.settings.capture.kind == CaptureKind::BucketedKBuffer);
 }
 
@@ -80,13 +85,13 @@ fn below_an_error_the_fastest_is_chosen() {
     let plain = chosen(&mut stand_in(), Goal::Error(1.0), &mut measured);
     let errors: Vec<f64> = measured.entries.iter().filter_map(|e| Some(e.error?.flip_mean)).collect();
     let (least, most) = (errors.iter().copied().fold(1.0, f64::min), errors.iter().copied().fold(0.0, f64::max));
-    assert!(plain.kept && plain.scale == 0.125, "any picture will do: {plain:?}");
+    assert!(plain.verdict == Verdict::Kept && plain.scale == 0.125, "any picture will do: {plain:?}");
     let limit = 0.5 * (least + most).min(3.0 * least);
     let choice = chosen(&mut stand_in(), Goal::Error(limit), &mut measured);
-    assert!(choice.kept && choice.flip <= limit, "{choice:?}");
+    assert!(choice.verdict == Verdict::Kept && choice.flip <= limit, "{choice:?}");
     let suffices = |e: &&Entry| e.error.is_some_and(|e| e.flip_mean <= limit) && e.frames.len() >= PROMISED_FRAMES;
     let fastest = measured.entries.iter().filter(suffices).filter_map(|e| median(&e.frames)).fold(f64::MAX, f64::min);
-    assert_eq!(choice.time.median, fastest, "nothing that suffices is faster");
+    assert!(choice.time.median <= 1.1 * fastest, "nothing that suffices is noticeably faster");
 }
 
 #[test]
@@ -106,10 +111,14 @@ fn what_is_known_is_not_measured_again() {
 fn a_promise_that_cannot_be_kept_is_said() {
     let mut measured = Measurements::default();
     let choice = chosen(&mut stand_in(), Goal::Time(0.001), &mut measured);
-    assert!(!choice.kept && choice.reason.contains("nothing fits"), "{choice:?}");
+    assert!(choice.verdict == Verdict::Broken && choice.reason.contains("nothing fits"), "{choice:?}");
     assert_eq!(choice.scale, 0.125, "the fastest");
     let choice = chosen(&mut stand_in(), Goal::Error(0.0), &mut measured);
-    assert!(!choice.kept && choice.reason.contains("nothing suffices") && choice.settings.image.samples == 8);
+    assert!(
+        choice.verdict == Verdict::Broken
+            && choice.reason.contains("nothing suffices")
+            && choice.settings.image.samples == 8
+    );
 }
 
 #[test]
@@ -129,4 +138,25 @@ fn an_adapter_that_refuses_everything_is_an_error_with_the_reason() {
     let error = choose(&mut broken, &Settings::default(), goal, &options(), &mut Measurements::default(), &mut |_| {});
     let text = error.unwrap_err().to_string();
     assert!(text.contains("70000 parts"), "{text}");
+}
+
+#[test]
+fn more_samples_than_usual_are_tried_where_they_are_asked_for() {
+    let asked = Settings::from_pairs("image.samples=24").unwrap();
+    let mut measured = Measurements::default();
+    let choice = choose(&mut stand_in(), &asked, Goal::Time(1000.0), &options(), &mut measured, &mut |_| {}).unwrap();
+    assert_eq!((choice.name.as_str(), choice.settings.image.samples), (AS_ASKED, 24), "{choice:?}");
+    assert_eq!(choice.reference_samples, 48);
+    // Names say what differs from what was asked for.
+    let plain = measured.entries.iter().find(|e| e.settings.image.samples == 1 && e.scale == 1.0).unwrap();
+    assert!(plain.name.ends_with("samples=1"), "{}", plain.name);
+}
+
+#[test]
+fn what_too_few_frames_say_is_not_called_broken() {
+    let mut measured = Measurements::default();
+    let short = Options { limit: Duration::ZERO, ..options() };
+    let goal = Goal::Time(30.0);
+    let choice = choose(&mut stand_in(), &Settings::default(), goal, &short, &mut measured, &mut |_| {}).unwrap();
+    assert!(choice.verdict == Verdict::Unsure && choice.time.high < 30.0 && choice.cut_short, "{choice:?}");
 }

@@ -14,14 +14,16 @@ pub struct Point {
     pub time: [f64; 3],
     /// At least 0.
     pub error: f64,
+    /// Whether there are frames enough to tell: else it is on no front.
+    pub sure: bool,
 }
 
-/// Which points no other beats: as fast or faster with less error, or faster with no more.
+/// Which points no other beats, of those that are sure: as fast or faster with less error, or faster with no more.
 pub fn pareto_front(points: &[Point]) -> Vec<bool> {
     let beats = |a: &Point, b: &Point| {
         a.time[1] <= b.time[1] && a.error <= b.error && (a.time[1] < b.time[1] || a.error < b.error)
     };
-    points.iter().map(|p| !points.iter().any(|q| beats(q, p))).collect()
+    points.iter().map(|p| p.sure && !points.iter().any(|q| q.sure && beats(q, p))).collect()
 }
 
 const WIDTH: f64 = 960.0;
@@ -199,7 +201,11 @@ pub fn diagram(points: &[Point], error_name: &str) -> String {
     for (point, on_front) in points.iter().zip(&front) {
         let [low, x, high] = point.time.map(|t| xs.at(t));
         let y = y_of(point.error);
-        let class = if *on_front { "best" } else { "beaten" };
+        let class = match (*on_front, point.sure) {
+            (true, _) => "best",
+            (false, true) => "beaten",
+            (false, false) => "beaten unsure",
+        };
         let _ = writeln!(
             svg,
             "<g class=\"{class}\"><line class=\"interval\" x1=\"{low:.1}\" y1=\"{y:.1}\" x2=\"{high:.1}\" y2=\"{y:.1}\"/>\
@@ -243,7 +249,14 @@ mod tests {
     use super::*;
 
     fn point(label: &str, time: f64, error: f64) -> Point {
-        Point { label: label.to_owned(), time: [0.9 * time, time, 1.2 * time], error }
+        Point { label: label.to_owned(), time: [0.9 * time, time, 1.2 * time], error, sure: true }
+    }
+
+    #[test]
+    fn what_too_few_frames_say_is_on_no_front_and_beats_nothing() {
+        let points = [Point { sure: false, ..point("lucky", 0.1, 0.0) }, point("sure", 1.0, 0.0)];
+        assert_eq!(pareto_front(&points), [false, true]);
+        assert!(diagram(&points, "error").contains("beaten unsure"));
     }
 
     #[test]

@@ -2,13 +2,14 @@
 //!
 //! ```toml
 //! ["as asked"]            # a configuration by its name, or * for all
-//! maximum_steps = 0       # a column of the CSV; larger is a failure
+//! maximum_steps = 1       # a column of the CSV; larger is a failure
 //! ["key=packed32, k=16"]  # what its axes need may be left out
 //! merged_percent = 2
 //! ```
 //!
 //! Times are no errors: their columns are refused, so that a busy machine fails nothing.
 
+use super::axis::Configuration;
 use super::sweep::Sweep;
 use super::table::{COLUMNS, Table};
 
@@ -16,8 +17,8 @@ use super::table::{COLUMNS, Table};
 const ERRORS: &[&str] = &[
     "maximum_steps",
     "mean_steps",
-    "above_1_percent",
-    "above_8_percent",
+    "over_1_step_percent",
+    "over_8_steps_percent",
     "flip_mean",
     "flip_p99",
     "lost",
@@ -58,8 +59,19 @@ pub enum LimitsError {
         /// The name.
         column: String,
     },
+    /// There is nothing to judge by.
+    #[error("no limit is given")]
+    Empty,
+    /// A limit on an error that none of its configurations has.
+    #[error("['{configuration}'] {column}: none of its configurations has this error")]
+    NotApplicable {
+        /// The table it stands in.
+        configuration: String,
+        /// The name.
+        column: &'static str,
+    },
     /// A limit for a configuration that the sweep does not have.
-    #[error("no configuration is called '{name}'; there are *, {known}")]
+    #[error("no configuration is called '{name}'; there are '*', {known}")]
     Configuration {
         /// The name.
         name: String,
@@ -93,48 +105,74 @@ impl Limits {
                 limits.push(Limit { configuration: configuration.clone(), column: known, most });
             }
         }
-        Ok(Limits(limits))
+        if limits.is_empty() { Err(LimitsError::Empty) } else { Ok(Limits(limits)) }
     }
 
-    /// What is over its limit, or could not be judged because its configuration was named and not measured, a sentence each.
-    /// `*` passes over configurations that the adapter refuses.
+    /// Checks before any work that every configuration that is named will be measured.
     ///
     /// # Errors
     /// [`LimitsError::Configuration`].
-    pub fn violations(&self, sweep: &Sweep) -> Result<Vec<String>, LimitsError> {
+    pub fn check_names(&self, configurations: &[Configuration]) -> Result<(), LimitsError> {
+        for Limit { configuration: name, .. } in &self.0 {
+            if name != "*" && !configurations.iter().any(|c| c.name == *name || c.short == *name) {
+                let known: Vec<String> = configurations.iter().map(|c| format!("'{}'", c.name)).collect();
+                return Err(LimitsError::Configuration { name: name.clone(), known: known.join(", ") });
+            }
+        }
+        Ok(())
+    }
+
+    /// Judges a sweep. `*` passes over configurations that the adapter refuses, or that do not have the error.
+    ///
+    /// # Errors
+    /// [`LimitsError::NotApplicable`] for a limit that judges nothing, [`LimitsError::Configuration`].
+    pub fn judge(&self, sweep: &Sweep) -> Result<Judgement, LimitsError> {
         debug_assert!(ERRORS.iter().all(|e| COLUMNS.iter().any(|(name, _)| name == e)));
+        self.check_names(&sweep.rows.iter().map(|r| r.configuration.clone()).collect::<Vec<_>>())?;
         let table = Table::of(sweep);
-        let mut found = Vec::new();
+        let mut judgement = Judgement::default();
         for limit in &self.0 {
             let all = limit.configuration == "*";
             let is_meant = |row: &super::sweep::Row| {
                 all || row.configuration.name == limit.configuration || row.configuration.short == limit.configuration
             };
-            let mut any = false;
+            let mut applied = false;
             for (i, row) in sweep.rows.iter().enumerate().filter(|(_, row)| is_meant(row)) {
-                any = true;
                 let name = &row.configuration.name;
                 match (&row.outcome, table.number(i, limit.column)) {
-                    (_, Some(value)) if value > limit.most => {
-                        found.push(format!(
-                            "{name}: {} = {}, limit {}",
-                            limit.column,
-                            table.cell(i, limit.column),
-                            limit.most
-                        ));
+                    (Ok(_), Some(value)) => {
+                        applied = true;
+                        judgement.checked += 1;
+                        if value > limit.most {
+                            let cell = table.cell(i, limit.column);
+                            judgement
+                                .violations
+                                .push(format!("{name}: {} = {cell}, limit {}", limit.column, limit.most));
+                        }
                     }
-                    (Err(reason), _) if !all => found.push(format!("{name}: {} is not known: {reason}", limit.column)),
-                    (Ok(_), None) if !all => found.push(format!("{name}: {} does not apply to it", limit.column)),
+                    (Err(reason), _) if !all => {
+                        applied = true;
+                        judgement.violations.push(format!("{name}: {} is not known: {reason}", limit.column));
+                    }
                     _ => {}
                 }
             }
-            if !any {
-                let known = sweep.rows.iter().map(|r| r.configuration.name.as_str()).collect::<Vec<_>>().join("; ");
-                return Err(LimitsError::Configuration { name: limit.configuration.clone(), known });
+            if !applied {
+                let Limit { configuration, column, .. } = limit.clone();
+                return Err(LimitsError::NotApplicable { configuration, column });
             }
         }
-        Ok(found)
+        Ok(judgement)
     }
+}
+
+/// What came of limits.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Judgement {
+    /// Figures that were compared with a limit.
+    pub checked: usize,
+    /// What is over its limit, or could not be judged because its configuration was named and not measured, a sentence each.
+    pub violations: Vec<String>,
 }
 
 #[cfg(test)]
@@ -150,6 +188,8 @@ mod tests {
             ("['*']\nlost = -1", "at least 0"),
             ("lost = 1", "expected a table"),
             ("['*", ""),
+            ("", "no limit is given"),
+            ("['*']", "no limit is given"),
         ] {
             let e = Limits::from_toml(text).unwrap_err().to_string();
             assert!(e.contains(words), "{e}");
@@ -159,7 +199,8 @@ mod tests {
     #[test]
     fn what_is_over_its_limit_is_named() {
         let sweep = hand_made();
-        let check = |text: &str| Limits::from_toml(text).unwrap().violations(&sweep);
+        let judge = |text: &str| Limits::from_toml(text).unwrap().judge(&sweep);
+        let check = |text: &str| judge(text).map(|j| j.violations);
         assert_eq!(check("['as asked']\nmaximum_steps = 0\nlost = 0").unwrap(), [] as [&str; 0]);
         let over = check("['key=packed32, k=16']\nmerged_percent = 0.5\nmean_steps = 200").unwrap();
         assert_eq!(over.len(), 1, "{over:?}");
@@ -168,6 +209,7 @@ mod tests {
         let refused = check("['k=64']\nlost = 0").unwrap();
         assert!(refused[0].contains("does not fit"), "{refused:?}");
         assert_eq!(check("['*']\nmaximum_steps = 255").unwrap(), [] as [&str; 0], "what is refused is passed over");
+        assert!(judge("['*']\nmean_steps = 255").unwrap().checked > 2, "what was compared is counted");
         let e = check("['k=65']\nlost = 0").unwrap_err().to_string();
         assert!(e.contains("k=65") && e.contains("as asked"), "{e}");
     }

@@ -18,7 +18,7 @@ h1{font-size:1.7rem;margin:0 0 4px}h2{font-size:1.2rem;margin:40px 0 8px}p{margi
 .words b{font-weight:650;white-space:nowrap}svg{width:100%;height:auto;background:var(--panel);border-radius:6px;display:block}
 .grid{stroke:var(--line);stroke-width:1}.zero{fill:var(--line);opacity:.45}.tick,.axis,.label{font:11px system-ui,'DejaVu Sans',sans-serif;fill:var(--soft)}.axis{font-size:12px}
 .label{paint-order:stroke;stroke:var(--panel);stroke-width:3px;stroke-linejoin:round}.label.best{fill:var(--best);font-weight:600}.label.beaten{fill:var(--beaten)}.front{fill:none;stroke:var(--best);stroke-width:1.5;opacity:.6}
-.best circle{fill:var(--best);stroke:var(--best)}.beaten circle{fill:var(--panel);stroke:var(--beaten);stroke-width:1.5}
+.best circle{fill:var(--best);stroke:var(--best)}.beaten circle{fill:var(--panel);stroke:var(--beaten);stroke-width:1.5}.unsure circle{stroke-dasharray:1.5 2.5;opacity:.8}
 .best .interval{stroke:var(--best)}.beaten .interval{stroke:var(--beaten)}.interval{stroke-width:1.5;opacity:.55}.leader{stroke:var(--soft);stroke-width:.7;opacity:.6}
 .pictures{display:grid;grid-template-columns:repeat(auto-fill,minmax(320px,1fr));gap:20px}figure{margin:0;background:var(--panel);border-radius:6px;padding:10px}
 figure div{display:grid;grid-template-columns:repeat(3,1fr);gap:6px}figure img{width:100%;display:block;border-radius:3px;background:#000}
@@ -76,7 +76,11 @@ fn facts(sweep: &Sweep, subject: &Subject) -> String {
 }
 
 fn words(html: &mut String, sweep: &Sweep, table: &Table) {
-    html.push_str("<section class=\"words\">\n<h2>In words</h2>\n");
+    html.push_str(
+        "<section class=\"words\">\n<h2>In words</h2>\n<p class=\"facts\">A step is the smallest of an 8-bit channel as displayed; a pixel is \
+         visibly wrong if a channel is more than one step off. FLIP is the difference that a viewer sees, from none to all. A layer's \
+         links are its neighbours in the next pixels.</p>\n",
+    );
     for paragraph in paragraphs(sweep, table) {
         html.push_str("<p>");
         for piece in paragraph {
@@ -98,9 +102,10 @@ fn points(sweep: &Sweep, table: &Table, judge: Judge, error: impl Fn(usize) -> O
         .filter(|&i| sweep.rows[i].configuration.judge == judge)
         .filter_map(|i| {
             let time = ["relative_low", "relative_time", "relative_high"].map(|c| table.number(i, c));
-            let [Some(low), Some(middle), Some(high)] = time else { return None };
+            let [low, Some(middle), high] = time else { return None };
             let label = sweep.rows[i].configuration.short.clone();
-            Some(Point { label, time: [low, middle, high], error: error(i)? })
+            let ends = [low.unwrap_or(middle), high.unwrap_or(middle)];
+            Some(Point { label, time: [ends[0], middle, ends[1]], error: error(i)?, sure: low.is_some() })
         })
         .collect()
 }
@@ -126,7 +131,7 @@ fn diagrams(html: &mut String, sweep: &Sweep, table: &Table) {
         let _ = writeln!(
             html,
             "<section><h2>{title}</h2>\n<p class=\"facts\">Times are multiples of what was asked for, drawn in turn. Down and left is better. Filled: nothing measured is both faster \
-             and closer to the reference. Bars: 95 % interval of the median.</p>\n{}</section>",
+             and closer to the reference. Bars: 95 % interval of the median. Dotted: fewer than six frames, which tell little.</p>\n{}</section>",
             diagram(&points, name)
         );
     }
@@ -149,11 +154,15 @@ fn pictures(html: &mut String, sweep: &Sweep, table: &Table) {
         let time = if time.is_empty() { String::new() } else { format!(", {time}× the time") };
         let _ = writeln!(
             html,
-            "<figure><figcaption>{name}<span>mean error {}, largest {}, FLIP {}{time}</span></figcaption><div>\
+            "<figure><figcaption>{name}<span>mean error {}, largest {}, FLIP {} against {}{time}</span></figcaption><div>\
              <img alt=\"{name}\" src=\"{}\"><img alt=\"difference\" src=\"{}\"><img alt=\"error\" src=\"{}\"></div></figure>",
             cell("mean_steps"),
             cell("maximum_steps"),
             cell("flip_mean"),
+            match row.configuration.judge {
+                Judge::Exact => "the exact picture".to_owned(),
+                Judge::Supersampled => format!("{} samples", sweep.reference_samples),
+            },
             t.picture,
             t.difference,
             t.heat

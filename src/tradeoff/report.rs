@@ -35,15 +35,15 @@ pub struct File {
     pub content: String,
 }
 
+/// Names of the files of a report.
+pub const NAMES: [&str; 3] = ["sweep.csv", "sweep.json", "index.html"];
+
 /// The files of a report.
 pub fn files(sweep: &Sweep, subject: &Subject) -> Vec<File> {
     let table = Table::of(sweep);
     let json = serde_json::to_string_pretty(&json_of(sweep, subject)).unwrap_or_default() + "\n";
-    vec![
-        File { name: "sweep.csv", content: table.csv() },
-        File { name: "sweep.json", content: json },
-        File { name: "index.html", content: page::page(sweep, &table, subject) },
-    ]
+    let contents = [table.csv(), json, page::page(sweep, &table, subject)];
+    NAMES.into_iter().zip(contents).map(|(name, content)| File { name, content }).collect()
 }
 
 fn json_of(sweep: &Sweep, subject: &Subject) -> Value {

@@ -2,10 +2,13 @@
 //!
 //! Times of frames have long tails, so the median stands for them, with the percentile bootstrap's 95 % interval (Efron 1979):
 //! the samples are drawn anew with replacement, and the interval holds the middle 95 % of the medians that result. It
-//! cannot be wider than the samples, so fewer than six cannot cover 95 % (the probability that all of n lie on one side of the
+//! cannot be wider than the samples, so fewer than [`ENOUGH`] cannot cover 95 % (the probability that all of n lie on one side of the
 //! true median is 2^(1−n)); the number of samples belongs beside every interval.
 
 use serde::Serialize;
+
+/// Values from which on an interval can hold 95 %.
+pub const ENOUGH: usize = 6;
 
 /// Resamples behind an interval.
 const RESAMPLES: usize = 2000;

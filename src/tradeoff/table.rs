@@ -3,6 +3,7 @@
 //! Figures have three significant digits, as many as anyone reads; the JSON has them whole.
 
 use super::axis::Judge;
+use super::statistics::{ENOUGH, Estimate};
 use super::sweep::{Measured, Row, Sweep};
 use crate::plan::Pass;
 
@@ -13,16 +14,16 @@ pub const COLUMNS: &[(&str, &str)] = &[
     ("reference", "exact: the same samples; supersampled: many samples a pixel"),
     ("status", "measured, or why not"),
     ("time_ms", "median wall time of a frame"),
-    ("time_low_ms", "lower end of its 95 % interval"),
+    ("time_low_ms", "lower end of its 95 % interval; empty for fewer than six frames"),
     ("time_high_ms", "upper end"),
     ("frames", "frames timed"),
     ("relative_time", "median of the time over that of what was asked for, drawn in turn"),
-    ("relative_low", "lower end of its 95 % interval"),
+    ("relative_low", "lower end of its 95 % interval; empty for fewer than six frames"),
     ("relative_high", "upper end"),
     ("maximum_steps", "largest error of a channel, 8-bit steps"),
     ("mean_steps", "mean error of all channels, 8-bit steps"),
-    ("above_1_percent", "pixels more than one step off"),
-    ("above_8_percent", "pixels more than eight steps off"),
+    ("over_1_step_percent", "pixels more than one step off"),
+    ("over_8_steps_percent", "pixels more than eight steps off"),
     ("flip_mean", "FLIP, mean"),
     ("flip_p99", "FLIP, 99th percentile"),
     ("layers", "layers of the reference"),
@@ -132,14 +133,17 @@ fn figures(measured: &Measured) -> Vec<String> {
     let times = measured.times.as_ref();
     let [whole, ratio] = [times.and_then(|t| t.whole), times.and_then(|t| t.ratio)];
     let e = &measured.image;
+    // An interval of few frames is none.
+    let end =
+        |estimate: Option<Estimate>, of: fn(Estimate) -> f64| optional(estimate.filter(|e| e.count >= ENOUGH).map(of));
     let mut out = vec![
         optional(whole.map(|w| w.median)),
-        optional(whole.map(|w| w.low)),
-        optional(whole.map(|w| w.high)),
+        end(whole, |w| w.low),
+        end(whole, |w| w.high),
         whole.map(|w| w.count.to_string()).unwrap_or_default(),
         optional(ratio.map(|r| r.median)),
-        optional(ratio.map(|r| r.low)),
-        optional(ratio.map(|r| r.high)),
+        end(ratio, |r| r.low),
+        end(ratio, |r| r.high),
     ];
     out.extend([e.maximum, e.mean, 100.0 * e.above_1, 100.0 * e.above_8, e.flip_mean, e.flip_p99].map(figure));
     match &measured.layers {

@@ -1,8 +1,9 @@
 //! The sweep in words. Every figure is a cell of the table, so nothing is said that the CSV does not have.
 
 use super::axis::{self, AS_ASKED, Judge};
-use super::sweep::Sweep;
+use super::sweep::{Row, Sweep};
 use super::table::Table;
+use crate::settings::text_at;
 
 /// A piece of a sentence.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,9 +40,6 @@ fn k_values() -> &'static [&'static str] {
     axis::all().into_iter().find(|a| a.name == "k").map_or(&[], |a| a.values)
 }
 
-/// Frames from which on an interval can hold 95 % (see `statistics`).
-const ENOUGH_FRAMES: f64 = 6.0;
-
 struct Words<'a> {
     sweep: &'a Sweep,
     table: &'a Table,
@@ -72,6 +70,24 @@ impl Words<'_> {
         self.sweep.rows.iter().position(|r| r.configuration.short == short && r.outcome.is_ok())
     }
 
+    /// Whether there are frames enough for an interval.
+    fn sure(&self, row: usize) -> bool {
+        !self.table.cell(row, "relative_low").is_empty()
+    }
+
+    /// The row with the same settings but for the row's own axis, if that is not what was asked for.
+    fn without(&self, row: usize) -> Option<usize> {
+        let configuration = &self.sweep.rows[row].configuration;
+        let asked = &self.sweep.rows.first()?.configuration.settings;
+        let axis = axis::all().into_iter().find(|a| a.name == configuration.axis)?;
+        let path = axis.path()?;
+        let mut settings = configuration.settings.clone();
+        settings.set(path, &text_at(asked, path)?).ok()?;
+        let same = |r: &Row| r.configuration.judge == Judge::Exact && r.configuration.settings == settings;
+        let found = self.sweep.rows.iter().position(|r| same(r) && r.outcome.is_ok())?;
+        (found != 0 && found != row).then_some(found)
+    }
+
     fn number(&self, row: usize, column: &str) -> f64 {
         self.table.number(row, column).unwrap_or(0.0)
     }
@@ -82,20 +98,21 @@ impl Words<'_> {
             return Some(vec![Piece::Text(format!("{subject} gives the reference's picture exactly."))]);
         }
         let pattern = format!(
-            "{subject} is {{mean_steps}} 8-bit steps off on average and {{maximum_steps}} at most; {{above_1_percent}} % of \
+            "{subject} is {{mean_steps}} 8-bit steps off on average and {{maximum_steps}} at most; {{over_1_step_percent}} % of \
              the pixels are visibly wrong, FLIP is {{flip_mean}}."
         );
         self.say(row, &pattern)
     }
 
     fn time(&self, row: usize) -> Option<Paragraph> {
-        let interval = if self.number(row, "frames") > 1.0 { " ({relative_low} to {relative_high})" } else { "" };
+        let interval =
+            if self.sure(row) { " ({relative_low} to {relative_high})" } else { " (too few frames for an interval)" };
         self.say(row, &format!("It takes {{relative_time}}× the time of what was asked for{interval}."))
     }
 
     fn baseline(&mut self) {
         let Some(row) = self.row(AS_ASKED) else { return };
-        let interval = if self.number(row, "frames") > 1.0 { " ({time_low_ms} to {time_high_ms})" } else { "" };
+        let interval = if self.sure(row) { " ({time_low_ms} to {time_high_ms})" } else { "" };
         let sentences = [
             self.say(row, &format!("What was asked for takes {{time_ms}} ms a frame here{interval}.")),
             self.wrong(row, "It"),
@@ -148,10 +165,10 @@ impl Words<'_> {
             let Some(row) = self.wide_row(k) else { continue };
             let time = self.in_time(row);
             let pattern = if self.number(row, "lost") == 0.0 {
-                format!("k={k} keeps every layer{time}.")
+                format!("With wide keys, k={k} keeps every layer{time}.")
             } else {
                 format!(
-                    "k={k} drops {{lost_percent}} % of the layers, which makes {{above_1_percent}} % of the pixels visibly \
+                    "With wide keys, k={k} drops {{lost_percent}} % of the layers, which makes {{over_1_step_percent}} % of the pixels visibly \
                      wrong{time}."
                 )
             };
@@ -175,7 +192,15 @@ impl Words<'_> {
             let mut sentences = Vec::new();
             for row in rows {
                 let name = &self.sweep.rows[row].configuration.name;
-                sentences.extend([self.wrong(row, name), self.time(row)]);
+                sentences.push(self.wrong(row, name));
+                // What an axis needs to matter has errors of its own.
+                if let Some(without) = self.without(row) {
+                    let other = &self.sweep.rows[without].configuration.name;
+                    sentences.push(
+                        self.say(without, &format!("Of that, {{mean_steps}} on average are those of '{other}'.")),
+                    );
+                }
+                sentences.push(self.time(row));
                 if self.number(row, "neighbours_different_percent") > 0.0 {
                     sentences.push(self.say(row, "{neighbours_different_percent} % of the links lead elsewhere."));
                 }
@@ -209,12 +234,9 @@ impl Words<'_> {
             let row = &self.sweep.rows[*i];
             row.configuration.judge == Judge::Exact
                 && row.outcome.is_ok()
-                && self.table.number(*i, "above_1_percent") == Some(0.0)
+                && self.table.number(*i, "over_1_step_percent") == Some(0.0)
         };
-        let surely_faster = |i: &usize| {
-            self.number(*i, "frames") >= ENOUGH_FRAMES
-                && self.table.number(*i, "relative_high").is_some_and(|h| h < 1.0)
-        };
+        let surely_faster = |i: &usize| self.table.number(*i, "relative_high").is_some_and(|h| h < 1.0);
         let rows: Vec<usize> = (0..self.sweep.rows.len()).filter(invisible).collect();
         let time = |i: &usize| self.number(*i, "relative_time");
         let fastest = rows.iter().copied().filter(surely_faster).min_by(|a, b| time(a).total_cmp(&time(b)));

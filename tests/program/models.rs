@@ -11,7 +11,7 @@ use pellucid::import::{self, ImportError};
 use pellucid::math::Camera;
 use pellucid::plan::Capture;
 use pellucid::render::Renderer;
-use pellucid::scene::Scene;
+use pellucid::scene::{Arrangement, Cut, Scene, Section, Solids};
 use pellucid::settings::{CaptureKind, Settings};
 
 use super::support::{full, gpu, repository};
@@ -157,4 +157,33 @@ fn real_models_load_or_are_refused_and_render_without_losing_a_fragment() {
     }
     assert!(ran + refused > 0, "{} has no models", folder.display());
     assert!(faults.is_empty(), "{} of {} models:\n{}", faults.len(), ran + refused, faults.join("\n"));
+}
+
+/// The caps of a large assembly, as a plane is dragged through it: what a window has to do for every step of the hand.
+#[test]
+fn a_large_assembly_is_cut_and_closed() {
+    let Some(path) = folder().map(|f| f.join("assemblies/CycloidalDrive.glb")).filter(|p| p.is_file()) else {
+        println!("SKIPPED: there is no CycloidalDrive.glb");
+        return;
+    };
+    let scene = import::load(&path).unwrap();
+    let (bounds, solids) = (scene.bounds(), Solids::of(&scene));
+    for (name, normal) in [("x", DVec3::X), ("y", DVec3::Y), ("z", DVec3::Z)] {
+        let mut times = Vec::new();
+        let mut caps = 0;
+        for step in 1..10 {
+            let at = bounds.min + bounds.size() * (f64::from(step) / 10.0) + scene.origin;
+            let section = Section { normal, offset: normal.dot(at), enabled: true, caps: true };
+            let arrangement = Arrangement { sections: vec![section], ..Arrangement::default() };
+            let begin = std::time::Instant::now();
+            let cut = Cut::new(&scene, &arrangement, &solids);
+            times.push(begin.elapsed().as_secs_f64() * 1e3);
+            assert!(cut.open.is_empty(), "{:?}", cut.notices(&scene));
+            assert!(cut.caps.iter().all(|c| c.area() > 0.0));
+            caps = caps.max(cut.caps.len());
+        }
+        let triangles = scene.triangle_count();
+        println!("{triangles} triangles across {name}: up to {caps} caps, {times:.1?} ms, the first with welding");
+        assert!(caps > 3);
+    }
 }

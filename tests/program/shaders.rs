@@ -11,7 +11,7 @@ use pellucid::gpu::{compose, shader_files};
 use pellucid::passes::shaders::{PassShader, RASTER, all_plans, all_shaders};
 use pellucid::passes::{
     BlendParameters, CurvatureParameters, FrameUniform, InstanceUniform, MaterialUniform, OutlineParameters, PartFacts,
-    ShadeParameters, StoreLayout, TransferParameters,
+    Sections, ShadeParameters, StoreLayout, TransferParameters,
 };
 use pellucid::plan::{Pass, storage_buffers};
 use rayon::prelude::*;
@@ -232,6 +232,7 @@ fn twins() -> Vec<Twin> {
         twin!(InstanceUniform = "Instance" { view_x, view_y, view_z, normal_x, normal_y, normal_z, ids }),
         twin!(MaterialUniform = "Material" { base_color, emissive, factors, modes, uv_rows }),
         twin!(PartFacts = "PartFacts" { first_triangle, inverse_radius, radius, look, color }),
+        twin!(Sections = "Sections" { planes, caps, count, _pad }),
         twin!(CurvatureParameters = "CurvatureParameters" {
             scale, part_scale, radius, reach, line, crease_cosine, kind, _pad
         }),

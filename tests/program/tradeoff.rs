@@ -61,11 +61,16 @@ fn a_report_is_three_files_that_agree() {
     let row = |name: &str| {
         rows.iter().find(|r| r["configuration"] == name).unwrap_or_else(|| panic!("{name}: {csv}"))["measured"].clone()
     };
-    // What was asked for is the reference, and the search by brute force finds the same neighbours: exactly no error.
-    for name in ["as asked", "neighbours=brute_force"] {
+    // With normals in full, what was asked for is the reference; the search by brute force finds the same neighbours as that
+    // by buckets.
+    for name in ["normals=full", "as asked", "neighbours=brute_force"] {
         let measured = row(name);
         for error in ["maximum", "mean", "flip_mean"] {
-            assert_eq!(measured["image"][error], 0.0, "{name}: {error}");
+            let found = measured["image"][error].as_f64().unwrap();
+            assert!(found <= if name == "normals=full" { 0.0 } else { 0.2 }, "{name}: {error} is {found}");
+        }
+        if name != "normals=full" {
+            assert_eq!(measured["image"], row("as asked")["image"], "{name}");
         }
         assert_eq!((&measured["layers"]["lost"], &measured["layers"]["out_of_order"]), (&0.into(), &0.into()));
         assert_eq!(measured["layers"]["neighbours_different"], 0.0, "{name}");
@@ -75,7 +80,7 @@ fn a_report_is_three_files_that_agree() {
     assert!(four["layers"]["lost"].as_u64().is_some_and(|n| n > 0) && four["image"]["maximum"].as_f64() > Some(1.0));
     assert_eq!(four["layers"]["lost"], four["counts"]["dropped"], "as the GPU counted");
     let eight = row("capture=bucketed_k_buffer, key=wide64, k=8");
-    assert_eq!((&eight["layers"]["lost"], &eight["image"]["maximum"]), (&0.into(), &0.0.into()));
+    assert_eq!((&eight["layers"]["lost"], &eight["image"]), (&0.into(), &row("as asked")["image"]));
     assert!(row("normals=xy15")["image"]["mean"].as_f64() > Some(0.0));
     assert!(row("samples=1")["image"]["mean"].as_f64() > row("samples=4")["image"]["mean"].as_f64(), "aliasing");
     let times = &row("as asked")["times"];
@@ -94,14 +99,20 @@ fn limits_fail_on_errors() {
     let place = Place::new();
     let write = |text: &str| std::fs::write(place.path("limits.toml"), text).unwrap();
     let line = "tradeoff boxes.glb --size 32x32 --axes k,normals --check limits.toml";
-    write("['as asked']\nmaximum_steps = 0\nlost = 0\n['k=8']\nmaximum_steps = 0\n");
-    place.exits(0, line, &["configurations"]);
-    write("['as asked']\nmaximum_steps = 0\n['k=4']\nlost = 3\n");
+    write("['as asked']\nmaximum_steps = 1\nlost = 0\n['k=8']\nmaximum_steps = 1\n");
+    place.exits(0, line, &["limits.toml", "3 figures checked, 0 over"]);
+    write("['as asked']\nmaximum_steps = 1\n['k=4']\nlost = 3\n");
     place.exits(5, line, &["limits.toml", "k=4", "lost", "limit 3"]);
     write("['as asked']\ntime_ms = 3\n");
     place.exits(3, line, &["limits.toml", "time_ms"]);
     write("['k=5']\nlost = 3\n");
     place.exits(3, line, &["limits.toml", "k=5"]);
+    write("['as asked']\n");
+    place.exits(3, line, &["limits.toml", "no limit is given"]);
+    // A check that compares nothing is no success.
+    write("['*']\nlost = 0\n");
+    let away = format!("{line} --camera-position 100,0,0 --camera-focal-point 200,0,0");
+    place.exits(3, &away, &["limits.toml", "nothing is in view"]);
     assert_eq!(std::fs::read_dir(place.0.path()).unwrap().count(), 2, "without --output nothing is written");
 }
 
@@ -109,6 +120,8 @@ fn limits_fail_on_errors() {
 fn wrong_command_lines_and_files_are_refused_before_any_work() {
     let place = Place::new();
     place.exits(2, "tradeoff boxes.glb -o out --axes colour", &["colour", "normals"]);
+    place.exits(2, "tradeoff boxes.glb -o -", &["folder"]);
+    place.exits(1, "tradeoff missing.glb -o boxes.glb/out", &["boxes.glb/out"]);
     place.exits(3, "tradeoff boxes.glb --check missing.toml", &["missing.toml"]);
     place.exits(3, "tradeoff missing.glb -o out", &["missing.glb"]);
     let (code, _, err) = place.run("tradeoff boxes.glb");

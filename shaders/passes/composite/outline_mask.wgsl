@@ -2,7 +2,8 @@
 
 @fragment
 fn fragment_main(v: Varyings) -> @location(0) vec4<f32> {
-    if is_cut_out(v) {
+    let clipped = is_clipped(v.position, v.part);
+    if clipped || is_cut_out(v) {
         discard;
     }
     return vec4<f32>(1.0);

@@ -18,7 +18,7 @@
 //! paper's 128 bits are key, bucket, colour and normal. What overflows k is counted and left out, or averaged (tail).
 
 use crate::gpu::{GpuError, ShaderSpec};
-use crate::passes::geometry::{GpuScene, Vertices, draw, recolor};
+use crate::passes::geometry::{GpuScene, Vertices, clip, draw, recolor};
 use crate::passes::store::{StoreModules, packed_depth};
 use crate::passes::{Context, opacity};
 use crate::plan::{Capture, FramePlan, Opacity, Pass};
@@ -93,7 +93,10 @@ pub fn z_insertion_spec(plan: &FramePlan, vertex: ShaderSpec) -> ShaderSpec {
     } else {
         "passes/capture/bucketed_k_buffer/atomic_key_packed32"
     };
-    with_packed_depth(vertex.with("passes/capture/bucketed_k_buffer/z_insertion").with(key), plan.capture)
+    with_packed_depth(
+        vertex.with("passes/capture/bucketed_k_buffer/z_insertion").with(key).with(clip(plan)),
+        plan.capture,
+    )
 }
 
 /// The shader of [`count_layers`].
@@ -127,7 +130,7 @@ pub fn data_storage_spec(plan: &FramePlan, vertex: ShaderSpec) -> ShaderSpec {
         (_, Opacity::Depth | Opacity::Curvature) => &[TAIL_AVERAGE, "passes/capture/bucketed_k_buffer/tail_transfer"],
     };
     let spec = vertex.with("passes/capture/bucketed_k_buffer/data_storage").with(key).with(slot).with(part);
-    let spec = tail.iter().fold(spec.with(recolor(plan)), |spec, module| spec.with(module));
+    let spec = tail.iter().fold(spec.with(recolor(plan)).with(clip(plan)), |spec, module| spec.with(module));
     let spec = if tail.len() > 1 { spec.with(opacity::looks(plan)) } else { spec };
     with_packed_depth(modules.colors(modules.normals(spec)), plan.capture)
 }

@@ -12,13 +12,13 @@
 use super::sort;
 use crate::gpu::{GpuError, ShaderSpec};
 use crate::passes::Context;
-use crate::passes::geometry::{GpuScene, Vertices, draw, recolor};
+use crate::passes::geometry::{GpuScene, Vertices, clip, draw, recolor};
 use crate::passes::store::StoreModules;
 use crate::plan::{FramePlan, Pass};
 
 /// The shader of [`count`], over a vertex stage.
-pub fn count_spec(vertex: ShaderSpec) -> ShaderSpec {
-    vertex.with("passes/capture/compacted/count")
+pub fn count_spec(plan: &FramePlan, vertex: ShaderSpec) -> ShaderSpec {
+    vertex.with("passes/capture/compacted/count").with(clip(plan))
 }
 
 /// The entry points of [`prefix_sum_spec`].
@@ -32,7 +32,7 @@ pub fn prefix_sum_spec() -> ShaderSpec {
 
 /// The shader of [`append`], over a vertex stage.
 pub fn append_spec(plan: &FramePlan, vertex: ShaderSpec) -> ShaderSpec {
-    StoreModules::of(plan).normals(vertex.with("passes/capture/compacted/append").with(recolor(plan)))
+    StoreModules::of(plan).normals(vertex.with("passes/capture/compacted/append").with(recolor(plan)).with(clip(plan)))
 }
 
 /// What [`sort_by_depth`] sorts.
@@ -48,7 +48,8 @@ pub fn gather_spec(plan: &FramePlan) -> ShaderSpec {
 /// # Errors
 /// [`GpuError`] of the device.
 pub fn count(context: &mut Context<'_>, scene: &GpuScene) -> Result<(), GpuError> {
-    draw(context, scene, Pass::Count, Vertices::Depth, &count_spec)
+    let plan = context.plan;
+    draw(context, scene, Pass::Count, Vertices::Depth, &|vertex| count_spec(plan, vertex))
 }
 
 /// Sums the counts of every row into `row_sums`.

@@ -5,9 +5,9 @@
 //! changes, and pixels are as hard-edged as the picture's own; several samples average both.
 
 use crate::gpu::{GpuError, ShaderSpec};
-use crate::passes::geometry::{GpuScene, draw_mask};
+use crate::passes::geometry::{GpuScene, clip, draw_mask};
 use crate::passes::{Context, OutlineParameters};
-use crate::plan::Pass;
+use crate::plan::{FramePlan, Pass};
 
 /// The uniform of a colour (linear) and a width in pixels.
 pub fn parameters(color: [f64; 3], width: f64) -> OutlineParameters {
@@ -16,8 +16,8 @@ pub fn parameters(color: [f64; 3], width: f64) -> OutlineParameters {
 }
 
 /// The shader of [`mask`], over a vertex stage.
-pub fn mask_spec(vertex: ShaderSpec) -> ShaderSpec {
-    vertex.with("passes/composite/outline_mask")
+pub fn mask_spec(plan: &FramePlan, vertex: ShaderSpec) -> ShaderSpec {
+    vertex.with("passes/composite/outline_mask").with(clip(plan))
 }
 
 /// The shader of [`outline`].
@@ -30,7 +30,8 @@ pub fn outline_spec() -> ShaderSpec {
 /// # Errors
 /// [`GpuError`] of the device.
 pub fn mask(context: &mut Context<'_>, scene: &GpuScene, target: &wgpu::TextureView) -> Result<(), GpuError> {
-    draw_mask(context, scene, target, &mask_spec)
+    let plan = context.plan;
+    draw_mask(context, scene, target, &|vertex| mask_spec(plan, vertex))
 }
 
 /// Draws the line around the mask into the image.

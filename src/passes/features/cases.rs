@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::math::{Camera, Projection};
 use crate::scene::hard_case::Contrast::{Planted, Printed};
-use crate::scene::hard_case::Source::Builtin;
+use crate::scene::hard_case::Source::{Builtin, Cut};
 use crate::scene::hard_case::{CaseCamera, HardCase, Measure, Method};
 
 const PLAIN: Method = Method::of("ours", "");
@@ -153,6 +153,24 @@ pub const CASES: &[HardCase] = &[
         )),
         measure: Measure::FalseRims,
         bound: 0.5,
+    },
+    HardCase {
+        name: "t10-section-plane",
+        trap: "T10",
+        why: "A sphere cut open by a slanted plane: along the cut every surface ends, though not by itself. Counted as \
+              missing, the neighbours that were cut away paint the border of the cut as a silhouette, on the inside as on \
+              the outside.",
+        scene: Cut("builtin:hard/ball?columns=96", DVec3::new(0.48, 0.6, 0.64), 0.2),
+        camera: CaseCamera::FRONT,
+        size: [96, 96],
+        ours: PLAIN,
+        contrast: Some(Printed(Method::of("missing", "").changed(
+            "passes/features/links_at_cut",
+            "> vec4<f32>(-margin));",
+            "> vec4<f32>(1e30));",
+        ))),
+        measure: Measure::FalseRims,
+        bound: 0.0,
     },
     HardCase {
         name: "t11-winding",

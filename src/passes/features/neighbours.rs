@@ -12,7 +12,8 @@
 //!   Neither the unit of the file nor other parts enter (T7).
 //!
 //! A candidate that does not see the layer as its own candidate is no neighbour (reverse check). *Missing* means the surface
-//! ends; *unknown* means nothing can be said: beyond the image, or in a pixel that lost layers (T10).
+//! ends; *unknown* means nothing can be said: beyond the image, in a pixel that lost layers, or where the surface would go on
+//! beyond a section plane (T10). The last is a pass of its own after any search, so that frames without planes do not pay.
 //!
 //! `BruteForce` reads every layer of the adjacent pixels, as the paper's baseline, for the best candidate in each direction
 //! and then checks it. `Buckets` reads only the layers of the same part, through the pixel's hash table, and searches both
@@ -91,11 +92,25 @@ pub fn open_spec(plan: &FramePlan, features: &Features) -> Option<ShaderSpec> {
         .then(|| search_spec(plan, features, "passes/features/links_left_open"))
 }
 
+/// The shader of [`Pass::CutLinks`].
+pub fn cut_spec(plan: &FramePlan) -> ShaderSpec {
+    let modules = StoreModules::of(plan);
+    modules.normals(modules.keys(modules.layout(ShaderSpec::new("passes/features/links_at_cut"))))
+}
+
 /// The neighbours of every layer.
 ///
 /// # Errors
 /// [`GpuError`] of the device.
 pub fn search(context: &mut Context<'_>, features: &Features) -> Result<(), GpuError> {
+    search_uncut(context, features)?;
+    if context.plan.runs(Pass::CutLinks) {
+        context.per_pixel(Pass::CutLinks, &cut_spec(context.plan), "main")?;
+    }
+    Ok(())
+}
+
+fn search_uncut(context: &mut Context<'_>, features: &Features) -> Result<(), GpuError> {
     if context.plan.runs(Pass::NeighbourCandidates) {
         context.per_chunk(Pass::NeighbourCandidates, &candidates_spec(context.plan, features), "main")?;
     }

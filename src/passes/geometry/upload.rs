@@ -1,14 +1,17 @@
 //! Scene → GPU memory.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
+use super::caps::Own;
 use super::{GpuMaterial, GpuPart, GpuPrimitive, GpuScene};
 use crate::gpu::{Gpu, GpuError, SharedLayouts};
 use crate::math::color::{linear_from_srgb, srgb_from_linear};
 use crate::passes::{MaterialUniform, PartFacts};
+use crate::scene::cut::tinted;
 use crate::scene::{
-    AlphaMode, Arrangement, Image, Material, Mip, Part, PartStyle, Presence, Primitive, Scene, SceneStats, TextureRef,
-    Wrap,
+    AlphaMode, Arrangement, Cut, Image, Material, Mip, Part, PartStyle, Presence, Primitive, Scene, SceneStats, Solids,
+    TextureRef, Wrap,
 };
 
 /// Bit that says: the vertex normals oppose the winding (as in `scene/instance.wgsl`).
@@ -28,12 +31,12 @@ pub(super) fn shuffle<T>(elements: &mut [T], seed: u64) {
 }
 
 /// Triangles turned so that each begins with a vertex of its own, and for every new vertex the old one it copies.
-struct Numbered {
-    triangles: Vec<[u32; 3]>,
+pub(super) struct Numbered {
+    pub(super) triangles: Vec<[u32; 3]>,
     /// Old index of every vertex; the first ones are the old vertices themselves.
-    sources: Vec<u32>,
+    pub(super) sources: Vec<u32>,
     /// Number (and flags) that each vertex carries.
-    numbers: Vec<u32>,
+    pub(super) numbers: Vec<u32>,
 }
 
 fn opposes(primitive: &Primitive, triangle: [u32; 3]) -> bool {
@@ -46,16 +49,24 @@ fn opposes(primitive: &Primitive, triangle: [u32; 3]) -> bool {
 
 /// Gives every triangle a first vertex of its own that carries `first + its index`.
 fn number(primitive: &Primitive, first: u32) -> Numbered {
-    let count = primitive.positions.len();
+    let carried = |i: usize, triangle| (first + i as u32) | if opposes(primitive, triangle) { OPPOSED } else { 0 };
+    number_with(&primitive.triangles, primitive.positions.len(), carried)
+}
+
+/// The same from 0, for triangles whose normals agree with their winding.
+pub(super) fn number_triangles(triangles: &[[u32; 3]], vertices: usize) -> Numbered {
+    number_with(triangles, vertices, |i, _| i as u32)
+}
+
+fn number_with(triangles: &[[u32; 3]], count: usize, carried: impl Fn(usize, [u32; 3]) -> u32) -> Numbered {
     let mut taken = vec![false; count];
     let mut sources: Vec<u32> = (0..count as u32).collect();
     let mut numbers = vec![0; count];
-    let triangles = primitive
-        .triangles
+    let triangles = triangles
         .iter()
         .enumerate()
         .map(|(i, &triangle)| {
-            let carried = (first + i as u32) | if opposes(primitive, triangle) { OPPOSED } else { 0 };
+            let carried = carried(i, triangle);
             match (0..3).find(|&corner| !taken[triangle[corner] as usize]) {
                 Some(corner) => {
                     let vertex = triangle[corner] as usize;
@@ -76,9 +87,14 @@ fn number(primitive: &Primitive, first: u32) -> Numbered {
 
 #[repr(C)]
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
-struct Place {
+pub(super) struct Place {
     position: [f32; 3],
     number: u32,
+}
+
+/// A vertex of the first stream.
+pub(super) fn place(position: [f32; 3], number: u32) -> Place {
+    Place { position, number }
 }
 
 #[repr(C)]
@@ -129,7 +145,7 @@ fn upload_primitive(
         normals: gpu.buffer_of("normals", bytemuck::cast_slice(&normals), vertex)?,
         extras,
         indices: gpu.buffer_of("indices", bytemuck::cast_slice(&numbered.triangles), wgpu::BufferUsages::INDEX)?,
-        index_count: 3 * numbered.triangles.len() as u32,
+        run: 0..3 * numbered.triangles.len() as u32,
     })
 }
 
@@ -302,8 +318,25 @@ fn upload_material(
     })
 }
 
-/// What shaders know of each part; an empty scene still has one entry, that of no part.
-fn part_table(scene: &Scene, arrangement: &Arrangement) -> Vec<PartFacts> {
+/// The material of a primitive that reads no vertex data but places and normals; `any` lends the groups that are never bound.
+pub(super) fn upload_plain_material(
+    gpu: &Gpu,
+    layouts: &SharedLayouts,
+    material: &Material,
+    any: &GpuMaterial,
+) -> Result<GpuMaterial, GpuError> {
+    let constants = gpu.uniform("material", &material_uniform(material))?;
+    let plain = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some(&material.name),
+        layout: &layouts.material,
+        entries: &[wgpu::BindGroupEntry { binding: 0, resource: constants.as_entire_binding() }],
+    });
+    Ok(GpuMaterial { masked: false, plain, textured: any.textured.clone() })
+}
+
+/// What shaders know of each part and each cap, which looks as the part that it closes; an empty scene still has one entry,
+/// that of no part.
+fn part_table(scene: &Scene, arrangement: &Arrangement, cut: &Cut) -> Vec<PartFacts> {
     let facts = |(index, part): (usize, &Part)| {
         let look = arrangement.look(index as u32);
         let radius = part.bounds.bounding_sphere().radius;
@@ -321,18 +354,35 @@ fn part_table(scene: &Scene, arrangement: &Arrangement) -> Vec<PartFacts> {
         }
     };
     let mut table: Vec<PartFacts> = scene.parts.iter().enumerate().map(facts).collect();
+    for cap in &cut.caps {
+        let owner = table[cap.part as usize];
+        let [r, g, b, given] = owner.color;
+        let [r, g, b] = if given == 0.0 { [r, g, b] } else { tinted([r, g, b]) };
+        table.push(PartFacts { first_triangle: cap.first_triangle, color: [r, g, b, given], ..owner });
+    }
     if table.is_empty() {
         table.push(bytemuck::Zeroable::zeroed());
     }
     table
 }
 
+/// How the table of parts is used.
+const TABLE: wgpu::BufferUsages =
+    wgpu::BufferUsages::STORAGE.union(wgpu::BufferUsages::COPY_SRC).union(wgpu::BufferUsages::COPY_DST);
+
 impl GpuScene {
     /// Shows the parts as an arrangement that fits the scene says: where they are, how they look, what the planner knows.
     ///
     /// # Errors
     /// [`GpuError`] of the device.
-    pub fn arrange(&mut self, gpu: &Gpu, scene: &Scene, arrangement: &Arrangement) -> Result<(), GpuError> {
+    pub fn arrange(
+        &mut self,
+        gpu: &Gpu,
+        layouts: &SharedLayouts,
+        scene: &Scene,
+        arrangement: &Arrangement,
+    ) -> Result<(), GpuError> {
+        let cut = Cut::new(scene, arrangement, &self.solids);
         let placed = arrangement.placed(scene);
         for (index, (part, place)) in self.parts.iter_mut().zip(&placed.parts).enumerate() {
             part.world_from_part = place.world_from_part;
@@ -340,8 +390,15 @@ impl GpuScene {
             part.is_drawn = arrangement.is_drawn(index as u32);
             part.is_selected = arrangement.selected.contains(&(index as u32));
         }
-        gpu.queue.write_buffer(&self.part_table, 0, bytemuck::cast_slice(&part_table(scene, arrangement)));
+        self.close(gpu, layouts, scene, arrangement, cut)?;
+        let table = part_table(scene, arrangement, &self.cut);
+        if self.part_table.size() == size_of_val(table.as_slice()) as u64 {
+            gpu.queue.write_buffer(&self.part_table, 0, bytemuck::cast_slice(&table));
+        } else {
+            self.part_table = gpu.buffer_of("part_table", bytemuck::cast_slice(&table), TABLE)?;
+        }
         self.stats = arrangement.stats(scene);
+        self.cut.count_into(&mut self.stats);
         self.arrangement = arrangement.clone();
         gpu.check()
     }
@@ -403,10 +460,10 @@ impl GpuScene {
         for (i, part) in parts.iter().enumerate() {
             parts_by_mesh[part.mesh].push(i as u32);
         }
-        let table = part_table(scene, &Arrangement::default());
-        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
-        let part_table = gpu.buffer_of("part_table", bytemuck::cast_slice(&table), usage)?;
+        let table = part_table(scene, &Arrangement::default(), &Cut::default());
+        let part_table = gpu.buffer_of("part_table", bytemuck::cast_slice(&table), TABLE)?;
         gpu.check()?;
+        let own = Own::new(primitives.len(), primitives_of_mesh.len(), parts.len());
         Ok(GpuScene {
             stats: SceneStats::of(scene),
             primitives,
@@ -416,6 +473,10 @@ impl GpuScene {
             parts_by_mesh,
             part_table,
             arrangement: Arrangement::default(),
+            cut: Cut::default(),
+            solids: Solids::of(scene),
+            own,
+            cap_materials: HashMap::new(),
         })
     }
 }

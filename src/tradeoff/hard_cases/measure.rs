@@ -13,8 +13,8 @@ use crate::oracle::stylize::Tables;
 use crate::oracle::{Extents, Layers, Link, View, composite, rasterize, shade, stylize};
 use crate::plan::Capture;
 use crate::render::{DrawOrder, RenderError, Renderer};
-use crate::scene::Scene;
 use crate::scene::hard_case::{HardCase, Measure, Method, Source};
+use crate::scene::{Arrangement, Scene, Section};
 use crate::settings::{CaptureKind, OpacityModel, Settings};
 
 /// Radians that a smooth normal may turn over a pixel in a case's picture.
@@ -27,6 +27,8 @@ pub(super) struct Stand<'a> {
     method: &'a Method,
     pub(super) settings: Settings,
     scene: Scene,
+    /// What cuts it.
+    sections: Vec<Section>,
     pub(super) effort: Effort,
 }
 
@@ -59,9 +61,14 @@ impl<'a> Stand<'a> {
         effort: Effort,
     ) -> Result<Stand<'a>, CaseError> {
         let settings = Settings::from_pairs(method.settings)?;
-        let scene = scene_of(method.scene.as_ref().unwrap_or(&case.scene))?;
+        let source = method.scene.as_ref().unwrap_or(&case.scene);
+        let scene = scene_of(source)?;
+        let sections = match *source {
+            Source::Cut(_, normal, offset) => vec![Section { normal, offset, enabled: true, caps: false }],
+            Source::Builtin(_) | Source::ThroughFile(_) | Source::Bytes(_) => Vec::new(),
+        };
         r.draw_order = DrawOrder::default();
-        Ok(Stand { r, case, method, settings, scene, effort })
+        Ok(Stand { r, case, method, settings, scene, sections, effort })
     }
 
     fn camera(&self, scene: &Scene) -> Camera {
@@ -98,7 +105,12 @@ impl<'a> Stand<'a> {
 
     /// Draws `scene`; a picture that is not finite, or of ours whose books do not balance, is no figure but a fault.
     pub(super) fn shoot(&mut self, scene: &Scene, camera: &Camera, settings: &Settings) -> Result<Shot, CaseError> {
-        let shot = Shot::take(self.r, scene, camera, settings, self.case.size)?;
+        let mut loaded = self.r.load(scene)?;
+        if !self.sections.is_empty() {
+            let arrangement = Arrangement { sections: self.sections.clone(), ..Arrangement::default() };
+            self.r.arrange(&mut loaded, scene, &arrangement)?;
+        }
+        let shot = Shot::of(self.r, &loaded, camera, settings, self.case.size)?;
         let report = &shot.frame.report;
         if report.bands > 1 {
             return Err(CaseError::Banded { bands: report.bands });
@@ -254,7 +266,12 @@ impl<'a> Stand<'a> {
 
     /// Fragments are matched by pixel and triangle: a k-buffer's rows are cut.
     fn false_rims(&mut self) -> Result<Figure, CaseError> {
-        let (shot, exact) = (self.shot()?, self.exact_shot()?);
+        let shot = self.shot()?;
+        // What was never cut knows where surfaces end.
+        let sections = std::mem::take(&mut self.sections);
+        let exact = self.exact_shot();
+        self.sections = sections;
+        let exact = exact?;
         let (a, b) = (&shot.store, &exact.store);
         let mut wrong = 0;
         for pixel in 0..a.layers.counts.len().min(b.layers.counts.len()) {

@@ -26,7 +26,7 @@ pub fn changed_module(change: &ShaderChange) -> Result<String, CaseError> {
 /// The scene that a case means.
 pub(super) fn scene_of(source: &Source) -> Result<Scene, CaseError> {
     Ok(match source {
-        Source::Builtin(name) => builtin::build(name)?,
+        Source::Builtin(name) | Source::Cut(name, ..) => builtin::build(name)?,
         Source::ThroughFile(name) => {
             let bytes = export::glb::write_glb(&builtin::build(name)?)?;
             import::load_bytes(&bytes, name, None)?

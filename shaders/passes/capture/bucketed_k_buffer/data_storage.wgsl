@@ -5,10 +5,11 @@
 
 @fragment
 fn fragment_main(v: Varyings, @builtin(front_facing) front_facing: bool) -> @location(0) vec4<f32> {
+    let clipped = is_clipped(v.position, v.part);
     // Derivatives need every invocation of the quad, so the surface comes before any early return.
     var surface = captured_surface(v, front_facing);
     surface.color = recolored(v.part, surface.color);
-    if is_cut_out(v) {
+    if clipped || is_cut_out(v) {
         discard;
     }
     let pixel = pixel_of_position(v.position);

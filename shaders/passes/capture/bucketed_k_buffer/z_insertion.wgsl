@@ -9,7 +9,8 @@
 
 @fragment
 fn fragment_main(v: Varyings) -> @location(0) vec4<f32> {
-    if is_cut_out(v) {
+    let clipped = is_clipped(v.position, v.part);
+    if clipped || is_cut_out(v) {
         discard;
     }
     let pixel = pixel_of_position(v.position);

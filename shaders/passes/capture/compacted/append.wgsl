@@ -20,9 +20,10 @@ struct StoreLayout {
 
 @fragment
 fn fragment_main(v: Varyings, @builtin(front_facing) front_facing: bool) -> @location(0) vec4<f32> {
+    let clipped = is_clipped(v.position, v.part);
     var s = captured_surface(v, front_facing);
     s.color = recolored(v.part, s.color);
-    if is_cut_out(v) {
+    if clipped || is_cut_out(v) {
         discard;
     }
     let slot = atomicAdd(&cursors[pixel_of_position(v.position)], 1u);
