@@ -278,8 +278,13 @@ impl Shell {
         }
         let waker = self.waker();
         let pictures = self.pictures.get_or_insert_with(|| Pictures::start(waker));
-        let number =
-            pictures.ask(&document.scene, self.workspace.scene_number, &document.seen, extras, self.workspace.viewport.size);
+        let number = pictures.ask(
+            &document.scene,
+            self.workspace.scene_number,
+            &document.seen,
+            extras,
+            self.workspace.viewport.size,
+        );
         if number != self.workspace.order {
             self.workspace.order = number;
             tracing::debug!("order {number}, viewport {:?}", self.workspace.viewport);

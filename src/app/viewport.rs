@@ -162,12 +162,14 @@ impl Screen {
                 cache: None,
             })
         };
-        let place = || device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("viewport"),
-            size: std::mem::size_of::<Place>() as u64,
-            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
+        let place = || {
+            device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("viewport"),
+                size: std::mem::size_of::<Place>() as u64,
+                usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            })
+        };
         let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
             label: Some("viewport"),
             mag_filter: wgpu::FilterMode::Linear,
@@ -262,7 +264,9 @@ impl CallbackTrait for Paint {
         pass: &mut wgpu::RenderPass<'static>,
         resources: &CallbackResources,
     ) {
-        let Some((screen, picture)) = resources.get::<Screen>().and_then(|s| Some((s, s.slots.get(self.slot)?.picture.as_ref()?))) else {
+        let Some((screen, picture)) =
+            resources.get::<Screen>().and_then(|s| Some((s, s.slots.get(self.slot)?.picture.as_ref()?)))
+        else {
             return;
         };
         let [width, height] = info.screen_size_px;

@@ -8,8 +8,8 @@ use std::sync::Arc;
 use glam::{DVec2, DVec3};
 
 use super::camera::{self, Frame};
-use super::config::Preferences;
 use super::compare::Compare;
+use super::config::Preferences;
 use super::dialogs::Choice;
 use super::document::{Document, Seen};
 use super::editors;

@@ -52,7 +52,8 @@ fn window(source: TransferSource) -> Window {
             document.settle();
         }
     };
-    let mut harness = Harness::builder().with_size(vec2(1280.0, 700.0)).with_step_dt(0.02).build_ui_state(show, workspace);
+    let mut harness =
+        Harness::builder().with_size(vec2(1280.0, 700.0)).with_step_dt(0.02).build_ui_state(show, workspace);
     panels::style::set_up(&harness.ctx);
     harness.run();
     harness

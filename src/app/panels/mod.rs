@@ -14,8 +14,8 @@ mod tests;
 use egui::{CentralPanel, Frame, Panel, Pos2, Rect, Sense, Ui};
 
 use super::viewport::{self, Paint};
-use super::{compare, editors};
 use super::workspace::{Viewport, Workspace};
+use super::{compare, editors};
 
 /// Everything, from the outside in.
 pub fn show(ui: &mut Ui, workspace: &mut Workspace) {
