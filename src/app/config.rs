@@ -39,6 +39,8 @@ pub struct Preferences {
     pub parts: bool,
     /// Whether the stages are shown.
     pub stages: bool,
+    /// Whether the transfer-function editors are shown.
+    pub editors: bool,
     /// Files, newest first.
     pub recent: Vec<String>,
 }
@@ -51,6 +53,7 @@ impl Default for Preferences {
             mouse: Habits::default(),
             parts: true,
             stages: true,
+            editors: true,
             recent: Vec::new(),
         }
     }

@@ -5,8 +5,10 @@ use std::time::{Duration, Instant};
 
 use winit::window::Window;
 
+use super::editors;
 use super::workspace::{Ask, Gravity, Prompt, Workspace};
 use crate::export::png::png_of_rgba8;
+use crate::transfer::Format;
 
 /// A dialog that is over so soon was never there.
 const NEVER_THERE: Duration = Duration::from_millis(400);
@@ -20,6 +22,10 @@ pub enum Choice {
     SaveSession,
     /// The picture is written to it.
     SavePicture,
+    /// Transfer functions are read from it.
+    ImportTransfer,
+    /// They are written to it.
+    ExportTransfer,
 }
 
 impl Choice {
@@ -29,13 +35,15 @@ impl Choice {
             Choice::Open => "Open a model or a session",
             Choice::SaveSession => "Save the session",
             Choice::SavePicture => "Save the picture",
+            Choice::ImportTransfer => "Import transfer functions",
+            Choice::ExportTransfer => "Export the transfer functions",
         }
     }
 
     fn ending(self) -> &'static str {
         match self {
             Choice::Open => "glb",
-            Choice::SaveSession => "toml",
+            Choice::SaveSession | Choice::ImportTransfer | Choice::ExportTransfer => "toml",
             Choice::SavePicture => "png",
         }
     }
@@ -63,7 +71,8 @@ pub fn choose(choice: Choice, window: Option<&Window>, file: Option<&str>, done:
     let finish = move |handle: Option<rfd::FileHandle>| {
         let path = handle.map(|h| h.path().to_path_buf());
         let never_there = path.is_none() && begin.elapsed() < NEVER_THERE;
-        let suggestion = if choice == Choice::Open { String::new() } else { suggestion };
+        let reads = matches!(choice, Choice::Open | Choice::ImportTransfer);
+        let suggestion = if reads { String::new() } else { suggestion };
         done(Chosen { choice, path, suggestion, never_there });
     };
     let name = format!("{stem}.{}", choice.ending());
@@ -73,7 +82,12 @@ pub fn choose(choice: Choice, window: Option<&Window>, file: Option<&str>, done:
             let answer = dialog.add_filter("Models and sessions", &["glb", "gltf", "toml"]).pick_file();
             std::thread::Builder::new().name("dialog".to_owned()).spawn(move || finish(pollster::block_on(answer)))
         }
-        Choice::SaveSession | Choice::SavePicture => {
+        Choice::ImportTransfer => {
+            let endings: Vec<&str> = Format::ALL.iter().map(|f| f.extension()).collect();
+            let answer = dialog.add_filter("Transfer functions", &endings).pick_file();
+            std::thread::Builder::new().name("dialog".to_owned()).spawn(move || finish(pollster::block_on(answer)))
+        }
+        Choice::SaveSession | Choice::SavePicture | Choice::ExportTransfer => {
             let answer = dialog.set_file_name(name).save_file();
             std::thread::Builder::new().name("dialog".to_owned()).spawn(move || finish(pollster::block_on(answer)))
         }
@@ -105,6 +119,11 @@ pub fn fulfil(workspace: &mut Workspace, choice: Choice, path: &str) {
             workspace.asks.push(Ask::Open(path.to_owned()));
             return;
         }
+        Choice::ImportTransfer => {
+            editors::import(workspace, path);
+            return;
+        }
+        Choice::ExportTransfer => editors::export(workspace, path).and_then(|bytes| write(Path::new(path), &bytes)),
         Choice::SaveSession => {
             let folder = Path::new(path).parent().unwrap_or(Path::new(""));
             workspace.session(folder).and_then(|text| write(Path::new(path), text.as_bytes()))

@@ -107,6 +107,11 @@ impl Document {
         }
     }
 
+    /// Whether a gesture is under way.
+    pub fn in_gesture(&self) -> bool {
+        self.in_gesture
+    }
+
     /// Makes one step of what changed since [`Document::begin_gesture`].
     pub fn end_gesture(&mut self) {
         self.in_gesture = false;

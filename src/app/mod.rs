@@ -12,13 +12,18 @@
 //! | [`document`] | model, what is seen of it, undo |
 //! | [`pictures`] | previews and exact pictures; [`viewport`] brings them to the screen pixel for pixel |
 //! | [`camera`] | gestures, as functions |
-//! | [`loader`] | opening files |
+//! | [`editors`] | transfer functions under the hand; [`functions`] resolves them |
+//! | [`compare`] | two settings under a divider |
+//! | [`loader`] | opening files; [`watch`] files that somebody edits |
 
 pub mod camera;
 pub mod command_line;
+pub mod compare;
 pub mod config;
 pub mod dialogs;
 pub mod document;
+pub mod editors;
+pub mod functions;
 pub mod keys;
 pub mod loader;
 pub mod panels;
@@ -26,6 +31,7 @@ pub mod pictures;
 pub mod shell;
 pub mod surface;
 pub mod viewport;
+pub mod watch;
 pub mod workspace;
 
 pub use shell::run;

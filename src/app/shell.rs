@@ -25,6 +25,7 @@ use super::loader::{Loading, Phase};
 use super::panels::{self, style};
 use super::pictures::{Delivery, Kind, Pictures, supersedes};
 use super::surface::{Drawn, Surface};
+use super::watch::{Watch, Workshop};
 use super::workspace::{Ask, Gravity, LoadingView, Workspace};
 use mouse::Drag;
 
@@ -63,6 +64,12 @@ pub fn run(files: &[String]) -> Result<(), AppError> {
     shell.failure.map_or(Ok(()), Err)
 }
 
+/// Where files are worked on.
+fn workshop() -> Workshop {
+    let shaders = std::env::var_os("PELLUCID_SHADERS").map(std::path::PathBuf::from);
+    std::env::current_dir().map(|here| Workshop::find(&here, shaders)).unwrap_or_default()
+}
+
 /// What an error of winit says, without the place in winit's source that it begins with.
 fn reason(error: &winit::error::EventLoopError) -> String {
     let text = error.to_string();
@@ -85,6 +92,7 @@ struct Shell {
     open: Option<Open>,
     workspace: Workspace,
     pictures: Option<Pictures>,
+    watch: Option<Watch>,
     loading: Option<Loading>,
     first_file: Option<String>,
     held: ModifiersState,
@@ -128,6 +136,7 @@ impl Shell {
             open: None,
             workspace,
             pictures: None,
+            watch: None,
             loading: None,
             first_file: files.first().cloned(),
             held: ModifiersState::empty(),
@@ -232,15 +241,32 @@ impl Shell {
                     self.workspace.take_picked(picked);
                     changed = true;
                 }
+                Delivery::Compared(picture) => {
+                    self.workspace.show_compared(*picture);
+                    changed = true;
+                }
+                Delivery::Counts(of, counts) => {
+                    self.workspace.counts = Some((of, Arc::from(counts)));
+                    changed = true;
+                }
+                Delivery::Said(text) => {
+                    self.workspace.say(Gravity::Error, text);
+                    changed = true;
+                }
                 // The exact picture has the same fault, and says so; an older one is of no interest.
                 Delivery::Fault(fault) => tracing::debug!("{}: {}", fault.kind.name(), fault.message),
             }
+        }
+        for change in self.watch.as_ref().map(Watch::take).unwrap_or_default() {
+            self.workspace.take_changed(change);
+            changed = true;
         }
         changed
     }
 
     /// Asks for the picture of what is to be seen now.
     fn order(&mut self) {
+        let extras = self.workspace.extras();
         let Some(document) = &self.workspace.document else {
             if let Some(pictures) = &mut self.pictures {
                 pictures.clear();
@@ -252,8 +278,13 @@ impl Shell {
         }
         let waker = self.waker();
         let pictures = self.pictures.get_or_insert_with(|| Pictures::start(waker));
-        let number =
-            pictures.ask(&document.scene, self.workspace.scene_number, &document.seen, self.workspace.viewport.size);
+        let number = pictures.ask(
+            &document.scene,
+            self.workspace.scene_number,
+            &document.seen,
+            extras,
+            self.workspace.viewport.size,
+        );
         if number != self.workspace.order {
             self.workspace.order = number;
             tracing::debug!("order {number}, viewport {:?}", self.workspace.viewport);
@@ -292,6 +323,9 @@ impl Shell {
             document.settle();
         }
         self.order();
+        let waker = self.waker();
+        let watch = self.watch.get_or_insert_with(|| Watch::start(workshop(), waker));
+        watch.follow(self.workspace.document.as_ref().map(|d| &d.seen.settings.opacity.transfer));
         let Some(open) = &mut self.open else {
             return;
         };

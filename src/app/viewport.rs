@@ -30,6 +30,8 @@ pub struct Shown {
 pub struct Paint {
     /// The picture.
     pub picture: Arc<Shown>,
+    /// Which of the two pictures that can be on screen at once it is, 0 or 1; egui's clipping says where.
+    pub slot: usize,
     /// Left and top, pixels of the window.
     pub origin: [u32; 2],
     /// Width and height, pixels.
@@ -82,6 +84,11 @@ pub struct Screen {
     moved: wgpu::RenderPipeline,
     sampler: wgpu::Sampler,
     layout: wgpu::BindGroupLayout,
+    slots: [Slot; 2],
+}
+
+/// Room for a picture.
+struct Slot {
     place: wgpu::Buffer,
     picture: Option<OnScreen>,
 }
@@ -155,12 +162,14 @@ impl Screen {
                 cache: None,
             })
         };
-        let place = device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("viewport"),
-            size: std::mem::size_of::<Place>() as u64,
-            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
+        let place = || {
+            device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("viewport"),
+                size: std::mem::size_of::<Place>() as u64,
+                usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            })
+        };
         let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
             label: Some("viewport"),
             mag_filter: wgpu::FilterMode::Linear,
@@ -168,15 +177,19 @@ impl Screen {
             ..Default::default()
         });
         let (unchanged, moved) = (pipeline("unchanged"), pipeline("moved"));
-        Screen { unchanged, moved, sampler, layout, place, picture: None }
+        let slots = [(); 2].map(|()| Slot { place: place(), picture: None });
+        Screen { unchanged, moved, sampler, layout, slots }
     }
 
-    fn upload(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, shown: &Shown) {
-        if self.picture.as_ref().is_some_and(|p| p.serial == shown.serial) {
+    fn upload(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, slot: usize, shown: &Shown) {
+        let Some(Slot { place, picture }) = self.slots.get_mut(slot) else {
+            return;
+        };
+        if picture.as_ref().is_some_and(|p| p.serial == shown.serial) {
             return;
         }
         let size = wgpu::Extent3d { width: shown.size[0], height: shown.size[1], depth_or_array_layers: 1 };
-        let (texture, group) = match self.picture.take() {
+        let (texture, group) = match picture.take() {
             Some(p) if p.texture.size() == size => (p.texture, p.group),
             _ => {
                 let texture = device.create_texture(&wgpu::TextureDescriptor {
@@ -195,7 +208,7 @@ impl Screen {
                     layout: &self.layout,
                     entries: &[
                         wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&view) },
-                        wgpu::BindGroupEntry { binding: 1, resource: self.place.as_entire_binding() },
+                        wgpu::BindGroupEntry { binding: 1, resource: place.as_entire_binding() },
                         wgpu::BindGroupEntry { binding: 2, resource: wgpu::BindingResource::Sampler(&self.sampler) },
                     ],
                 });
@@ -208,7 +221,7 @@ impl Screen {
             wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * shown.size[0]), rows_per_image: None },
             size,
         );
-        self.picture = Some(OnScreen { serial: shown.serial, texture, group });
+        *picture = Some(OnScreen { serial: shown.serial, texture, group });
     }
 }
 
@@ -226,7 +239,7 @@ impl CallbackTrait for Paint {
         if let Some(screen) = resources.get_mut::<Screen>()
             && fits
         {
-            screen.upload(device, queue, &self.picture);
+            screen.upload(device, queue, self.slot, &self.picture);
             let floats = |v: [u32; 2]| v.map(|n| n as f32);
             let moved = self.moved.unwrap_or(DMat3::IDENTITY);
             let background = self.picture.background.unwrap_or_default();
@@ -238,7 +251,9 @@ impl CallbackTrait for Paint {
                 _pad: [0.0; 3],
                 background: [background[0], background[1], background[2], 1.0],
             };
-            queue.write_buffer(&screen.place, 0, bytemuck::bytes_of(&place));
+            if let Some(slot) = screen.slots.get(self.slot) {
+                queue.write_buffer(&slot.place, 0, bytemuck::bytes_of(&place));
+            }
         }
         Vec::new()
     }
@@ -249,7 +264,9 @@ impl CallbackTrait for Paint {
         pass: &mut wgpu::RenderPass<'static>,
         resources: &CallbackResources,
     ) {
-        let Some((screen, picture)) = resources.get::<Screen>().and_then(|s| Some((s, s.picture.as_ref()?))) else {
+        let Some((screen, picture)) =
+            resources.get::<Screen>().and_then(|s| Some((s, s.slots.get(self.slot)?.picture.as_ref()?)))
+        else {
             return;
         };
         let [width, height] = info.screen_size_px;

@@ -8,19 +8,24 @@ use std::sync::Arc;
 use glam::{DVec2, DVec3};
 
 use super::camera::{self, Frame};
+use super::compare::Compare;
 use super::config::Preferences;
 use super::dialogs::Choice;
 use super::document::{Document, Seen};
+use super::editors;
+use super::functions::{Functions, Resolved};
 use super::loader::Opened;
 use super::panels::parts::Tree;
-use super::pictures::{Kind, Picked, Picture};
+use super::pictures::{Extras, Kind, Picked, Picture};
 use super::viewport::Shown;
+use super::watch::{Changed, ShaderTexts};
 use crate::math::Camera;
 use crate::plan::{self, Capabilities, FramePlan, ViewStats};
-use crate::render::FrameReport;
+use crate::render::{FrameReport, LayerHistogram};
 use crate::scene::{Arrangement, NoticeKind, Scene};
 use crate::session::{Session, camera_in_file, camera_in_scene};
 use crate::settings::Settings;
+use crate::transfer::{TransferFunction, TransferSource};
 
 /// Something for the shell to do.
 #[derive(Clone, Debug, PartialEq)]
@@ -123,7 +128,7 @@ pub struct Prompt {
 }
 
 /// What the panels keep for themselves.
-#[derive(Clone, Debug, Default)]
+#[derive(Default)]
 pub struct Layout {
     /// The list of shortcuts is shown.
     pub shortcuts: bool,
@@ -135,6 +140,16 @@ pub struct Layout {
     pub tree: Option<Tree>,
     /// A setting's text while it is typed: its path and the text.
     pub typing: Option<(String, String)>,
+    /// What is selected in the transfer-function editors.
+    pub editors: editors::State,
+}
+
+/// What a plan was made for.
+struct Planned {
+    scene_number: u64,
+    seen: Seen,
+    transfer: Option<Arc<TransferFunction>>,
+    size: [u32; 2],
 }
 
 /// Everything that the window knows.
@@ -163,13 +178,21 @@ pub struct Workspace {
     pub adapter: Option<String>,
     /// What would run; `None` without a model or an adapter.
     pub plan: Option<Result<FramePlan, String>>,
-    planned: Option<(u64, Seen, [u32; 2])>,
+    planned: Option<Planned>,
     /// Where the picture is.
     pub viewport: Viewport,
     /// What turning turns about; the focal point if `None`.
     pub pivot: Option<DVec3>,
     /// What was found under the last click, and which of its layers is chosen.
     pub picked: Option<(Picked, usize)>,
+    /// The transfer functions, resolved.
+    pub functions: Functions,
+    /// Layers by depth and curvature in the last picture that they were counted in, and of which scene.
+    pub counts: Option<(u64, Arc<LayerHistogram>)>,
+    /// Texts that stand in for shader modules.
+    pub shaders: Arc<ShaderTexts>,
+    /// Settings that the present ones are compared with.
+    pub compare: Option<Compare>,
     /// What the panels keep.
     pub layout: Layout,
     /// What the shell has to do.
@@ -196,6 +219,10 @@ impl Workspace {
             viewport: Viewport::default(),
             pivot: None,
             picked: None,
+            functions: Functions::default(),
+            counts: None,
+            shaders: Arc::default(),
+            compare: None,
             layout: Layout::default(),
             asks: Vec::new(),
         }
@@ -354,29 +381,101 @@ impl Workspace {
         self.screen.as_ref().is_some_and(|s| s.kind == Kind::Exact && s.number == self.order)
     }
 
+    /// The transfer functions of what is seen, or why there are none; `None` without a model.
+    pub fn transfer(&mut self) -> Option<Resolved> {
+        let source = &self.document.as_ref()?.seen.settings.opacity.transfer;
+        let resolved = self.functions.of(source);
+        for notice in self.functions.notices() {
+            self.say(Gravity::Notice, notice);
+        }
+        Some(resolved)
+    }
+
+    /// What pictures depend on beside what is seen.
+    pub fn extras(&mut self) -> Extras {
+        let transfer = self.transfer().and_then(Result::ok);
+        Extras {
+            transfer,
+            against: self.against(),
+            counts: self.preferences.editors,
+            shaders: Arc::clone(&self.shaders),
+        }
+    }
+
+    /// What is seen, with the transfer functions as they are used: their file may have changed or be broken since.
+    pub fn resolved(&self, seen: &Seen) -> Seen {
+        let mut seen = seen.clone();
+        if let Some(function) = self.functions.known(&seen.settings.opacity.transfer) {
+            seen.settings.opacity.transfer = TransferSource::Inline(Box::new((*function).clone()));
+        }
+        seen
+    }
+
+    /// Takes the exact picture of the settings that are compared with.
+    pub fn show_compared(&mut self, picture: Picture) {
+        let number = self.scene_number;
+        if let Some(compare) = self.compare.as_mut().filter(|_| picture.scene_number == number)
+            && compare.kept.settings == picture.seen.settings
+        {
+            let view = (picture.seen.camera, picture.viewport);
+            let serial = picture.number + (number << 32);
+            compare.shown = Some((view, Arc::new(shown_of(serial, picture))));
+        }
+    }
+
+    /// Takes over a file that somebody has edited, or says what is wrong with it.
+    pub fn take_changed(&mut self, change: Changed) {
+        match change {
+            Changed::Function(name, read) => match self.functions.reload(&name, read) {
+                Ok(()) => self.say(Gravity::Note, format!("{name} has been read again.")),
+                Err(reason) => self.say(Gravity::Error, reason),
+            },
+            Changed::Shaders(texts) => {
+                let what = match texts.len() {
+                    0 => "The program's own shaders are used again.".to_owned(),
+                    n => format!("Shaders have been read again: {n} differ from the program's."),
+                };
+                self.say(Gravity::Note, what);
+                self.shaders = texts;
+            }
+            Changed::BrokenShader(reason) => self.say(Gravity::Error, reason),
+            Changed::Fault(reason) => self.say(Gravity::Notice, reason),
+        }
+    }
+
     /// Plans anew if what a plan depends on has changed.
     pub fn replan(&mut self) {
+        let transfer = self.transfer();
         let (Some(document), Some(capabilities)) = (&self.document, &self.capabilities) else {
             self.plan = None;
             self.planned = None;
             return;
         };
         let view = ViewStats::of(&document.seen.camera);
-        let same = |(number, seen, size): &(u64, Seen, [u32; 2])| {
-            (*number, *size) == (self.scene_number, self.viewport.size) && *seen == document.seen
+        let resolved = transfer.as_ref().and_then(|t| t.as_ref().ok()).cloned();
+        let same = |planned: &Planned| {
+            (planned.scene_number, planned.size) == (self.scene_number, self.viewport.size)
+                && planned.transfer == resolved
+                && planned.seen == document.seen
         };
         if self.planned.as_ref().is_some_and(same) || self.viewport.size.contains(&0) {
             return;
         }
         let stats = document.seen.arrangement.stats(&document.scene);
         let settings = &document.seen.settings;
-        let planned = match settings.opacity.transfer.resolve(None) {
-            Ok(transfer) => plan::plan(settings, &transfer, &stats, &view, capabilities, self.viewport.size)
+        let planned = match transfer {
+            Some(Ok(transfer)) => plan::plan(settings, &transfer, &stats, &view, capabilities, self.viewport.size)
                 .map_err(|refusal| refusal.to_string()),
-            Err(e) => Err(e.to_string()),
+            Some(Err(reason)) => Err(reason),
+            None => return,
         };
         self.plan = Some(planned);
-        self.planned = Some((self.scene_number, document.seen.clone(), self.viewport.size));
+        self.planned = Some(Planned {
+            scene_number: self.scene_number,
+            seen: document.seen.clone(),
+            transfer: resolved,
+            size: self.viewport.size,
+        });
     }
 
     /// One step back.
@@ -404,6 +503,12 @@ impl Workspace {
             document.settle();
         }
     }
+}
+
+/// A picture as the viewport takes it.
+fn shown_of(serial: u64, picture: Picture) -> Shown {
+    let srgb = |v: f32| crate::math::color::srgb_from_linear(f64::from(v)) as f32;
+    Shown { serial, size: picture.size, rgba: picture.rgba, background: picture.background.map(|rgb| rgb.map(srgb)) }
 }
 
 /// A word for a kind of notice.

@@ -123,17 +123,28 @@ fn shader_error(composed: &Composed, location: Option<naga::SourceLocation>, rea
     GpuError::Shader { file: file.to_owned(), line, reason }
 }
 
+/// Parses and validates.
+fn parse(composed: &Composed) -> Result<(naga::Module, naga::valid::ModuleInfo), GpuError> {
+    let module = naga::front::wgsl::parse_str(&composed.text)
+        .map_err(|e| shader_error(composed, e.location(&composed.text), e.message().to_owned()))?;
+    let info = Validator::new(ValidationFlags::all(), Capabilities::all())
+        .validate(&module)
+        .map_err(|e| shader_error(composed, e.location(&composed.text), format!("{:?}", e.into_inner())))?;
+    Ok((module, info))
+}
+
+/// Whether a shader is valid, without a device.
+pub(super) fn check(composed: &Composed) -> Result<(), GpuError> {
+    parse(composed).map(|_| ())
+}
+
 /// What the entry point binds in group 1.
 fn reflect(
     composed: &Composed,
     entry: &str,
     stage: wgpu::ShaderStages,
 ) -> Result<(Vec<Binding>, wgpu::ShaderStages), GpuError> {
-    let module = naga::front::wgsl::parse_str(&composed.text)
-        .map_err(|e| shader_error(composed, e.location(&composed.text), e.message().to_owned()))?;
-    let info = Validator::new(ValidationFlags::all(), Capabilities::all())
-        .validate(&module)
-        .map_err(|e| shader_error(composed, e.location(&composed.text), format!("{:?}", e.into_inner())))?;
+    let (module, info) = parse(composed)?;
     let index = module
         .entry_points
         .iter()

@@ -17,7 +17,7 @@ use crate::plan::{self, Capabilities};
 pub use buffers::{Resource, Resources};
 pub use kernel::{Kernel, RasterKernel, RasterSpec, SharedLayouts};
 pub use recorder::{PassTime, Recorder, Timing, go_on};
-pub use shaders::{ShaderSpec, Shaders, compose, shader_files};
+pub use shaders::{ShaderSpec, Shaders, check_shader, compose, shader_files};
 
 /// Why the device did not do what was asked.
 #[derive(Debug, thiserror::Error, Clone, PartialEq)]

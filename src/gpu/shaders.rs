@@ -4,7 +4,7 @@
 //! are chosen by module: a pass names the file that declares `layer_base` for its store, or `best_candidate` for its search,
 //! and constants by a header. There is no conditional compilation inside a file.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::{Arc, Mutex};
 
@@ -108,6 +108,25 @@ pub fn shader_files() -> Vec<(String, &'static str)> {
 /// [`GpuError::Shader`] if a file does not exist.
 pub fn compose(spec: &ShaderSpec) -> Result<Composed, GpuError> {
     compose_with(spec, &HashMap::new())
+}
+
+/// Puts a shader together with other texts for some modules and checks it, if it is made of any of `changed` (files below
+/// `shaders/`) and not among the texts already `seen`.
+///
+/// # Errors
+/// [`GpuError::Shader`] with file, line and reason.
+pub fn check_shader(
+    spec: &ShaderSpec,
+    replaced: &BTreeMap<String, String>,
+    changed: &BTreeSet<String>,
+    seen: &mut BTreeSet<u64>,
+) -> Result<(), GpuError> {
+    let replaced: HashMap<String, String> = replaced.clone().into_iter().collect();
+    let composed = compose_with(spec, &replaced)?;
+    if composed.files().iter().any(|f| changed.contains(f)) && seen.insert(key_of(&[&composed.text])) {
+        kernel::check(&composed)?;
+    }
+    Ok(())
 }
 
 /// [`compose`], with other texts for some of the modules.

@@ -1,6 +1,7 @@
 //! Scene and settings in, image out: the one renderer behind the command line, the window, the tests and the benchmarks.
 
 mod frame;
+mod histogram;
 mod pick;
 mod readback;
 mod targets;
@@ -19,6 +20,7 @@ use crate::scene::{Arrangement, ArrangementError, Presence, Scene};
 use crate::settings::{OpacityModel, Settings};
 use crate::transfer::{TransferError, TransferFunction};
 
+pub use histogram::LayerHistogram;
 pub use pick::PickedLayer;
 pub use readback::{PixelBuckets, StoreReadback};
 

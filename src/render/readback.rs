@@ -67,7 +67,7 @@ fn unpack_half4(words: &[u32]) -> [f32; 4] {
 }
 
 /// Depth along the view from a captured key's depth, as the shaders compute it but in f64.
-struct DepthDecoder {
+pub(super) struct DepthDecoder {
     near: f64,
     far: f64,
     orthographic: bool,
@@ -76,11 +76,16 @@ struct DepthDecoder {
 }
 
 impl DepthDecoder {
-    fn of_z(&self, z: f64) -> f64 {
+    /// From 0 to 1 over the scene's bounding sphere, and beyond outside of it.
+    pub(super) fn depth01(&self, depth: f64) -> f64 {
+        (depth - self.depth_min) / (self.depth_max - self.depth_min)
+    }
+
+    pub(super) fn of_z(&self, z: f64) -> f64 {
         if self.orthographic { self.far - z * (self.far - self.near) } else { self.near / z.max(1e-30) }
     }
 
-    fn of_packed(&self, bits: u32, quantization: DepthQuantization) -> f64 {
+    pub(super) fn of_packed(&self, bits: u32, quantization: DepthQuantization) -> f64 {
         let t = f64::from(bits) / 65534.0;
         match quantization {
             DepthQuantization::Linear => self.depth_min + t * (self.depth_max - self.depth_min),
@@ -251,7 +256,7 @@ impl Renderer {
         Ok(out)
     }
 
-    fn decoder(&self, scene: &super::GpuScene, camera: &Camera) -> DepthDecoder {
+    pub(super) fn decoder(&self, scene: &super::GpuScene, camera: &Camera) -> DepthDecoder {
         let frustum = camera.frustum(&scene.stats.bounds);
         let sphere = scene.stats.bounds.bounding_sphere();
         let center = -camera.view_from_world().transform_point3(sphere.center).z;

@@ -4,6 +4,8 @@
 //! stay at least one, each allowed, at strictly increasing positions; what cannot be done is not done, and the answer
 //! says so. Points are addressed by index; moving never changes the order, so an index stays valid during a drag.
 
+use std::collections::BTreeSet;
+
 use super::points::{ControlPoint, Interpolation, Points, interpolate};
 use super::{
     ColorFunction, ColorPoint, ColorShape, ColorValue, OpacityCurve, OpacityFunction, OpacityPoint, OpacityShape,
@@ -132,6 +134,52 @@ fn place(positions: &[f64], index: usize, domain: [f64; 2], position: f64) -> Op
         Some([from, to]) if !position.is_nan() => position.clamp(from, to),
         _ => old,
     })
+}
+
+/// Moves several points together, by `by` along their axis and as `change` says in value. They go only as far as every one of
+/// them can without coming nearer than [`LEAST_GAP`] to a point that stays or leaving the domain, so that they keep their
+/// distances. Indices that do not exist are passed over; NaN moves nothing.
+///
+/// Returns by how much they were moved along their axis.
+pub fn shift<P: EditPoint>(
+    points: &mut Points<P>,
+    indices: &BTreeSet<usize>,
+    by: f64,
+    change: impl Fn(P::Value) -> P::Value,
+) -> f64 {
+    let positions = points.positions();
+    let any = indices.first().is_some_and(|i| *i < positions.len());
+    let mut free = if by.is_nan() || !any { 0.0 } else { by };
+    for &i in indices.iter().filter(|i| **i < positions.len()) {
+        let at = positions[i];
+        let stays = |other: &usize| !indices.contains(other);
+        if by > 0.0 {
+            let next = Some(i + 1).filter(|n| *n < positions.len());
+            let to = next.filter(stays).map_or(P::DOMAIN[1], |n| positions[n] - LEAST_GAP);
+            free = free.min((to - at).max(0.0));
+        } else {
+            let last = i.checked_sub(1);
+            let to = last.filter(stays).map_or(P::DOMAIN[0], |n| positions[n] + LEAST_GAP);
+            free = free.max((to - at).min(0.0));
+        }
+    }
+    points.edit(|all| {
+        for &i in indices {
+            if let Some(point) = all.get_mut(i) {
+                let (place, old) = (point.position(), point.value());
+                let place = (place + free).clamp(P::DOMAIN[0], P::DOMAIN[1]);
+                *point = P::new(place, change(old), old);
+            }
+        }
+    });
+    free
+}
+
+/// Removes points; one stays.
+///
+/// Returns how many were removed.
+pub fn remove_all<P: ControlPoint + Clone>(points: &mut Points<P>, indices: &BTreeSet<usize>) -> usize {
+    indices.iter().rev().filter(|&&i| remove(points, i)).count()
 }
 
 /// Removes a point. The last one stays.
@@ -335,6 +383,21 @@ mod tests {
     }
 
     #[test]
+    fn several_points_keep_their_distances() {
+        let mut points = curve(&[(0.1, 0.2), (0.3, 0.9), (0.5, 0.4), (0.9, 1.0)]);
+        let moved = shift(&mut points, &[1, 2, 7].into(), 5.0, |v| v + 0.2);
+        assert_eq!(moved, 0.9 - LEAST_GAP - 0.5);
+        let expected = curve(&[(0.1, 0.2), (0.3 + moved, 1.0), (0.5 + moved, 0.4 + 0.2), (0.9, 1.0)]);
+        assert_eq!(points, expected);
+        assert_eq!(shift(&mut points, &[0, 3].into(), -1.0, |v| v), 0.0, "the last cannot");
+        assert_eq!(shift(&mut points, &[0].into(), -1.0, |v| v), -0.1);
+        assert_eq!(shift(&mut points, &[9].into(), f64::INFINITY, |v| v), 0.0);
+        let mut points = curve(&[(0.1, 0.2), (0.3, 0.9), (0.5, 0.4)]);
+        assert_eq!(remove_all(&mut points, &[0, 1, 2, 9].into()), 2);
+        assert_eq!(points, curve(&[(0.1, 0.2)]));
+    }
+
+    #[test]
     fn the_nearest_point_is_found_within_the_tolerance() {
         let points = curve(&[(0.0, 0.2), (0.4, 0.9), (0.5, 0.1)]);
         assert_eq!(nearest(&points, 0.44, 0.1), Some(1));
@@ -381,6 +444,7 @@ mod tests {
     enum Gesture {
         Insert(f64),
         Move(usize, f64, f64),
+        Shift(Vec<usize>, f64, f64),
         Remove(usize),
         Scale(f64, f64),
         Curve(f64),
@@ -401,6 +465,8 @@ mod tests {
         prop_oneof![
             6 => number().prop_map(Gesture::Insert),
             6 => (0..12_usize, number(), number()).prop_map(|(i, x, y)| Gesture::Move(i, x, y)),
+            4 => (prop::collection::vec(0..12_usize, 0..5), number(), number())
+                .prop_map(|(i, x, y)| Gesture::Shift(i, x, y)),
             3 => (0..12_usize).prop_map(Gesture::Remove),
             1 => (number(), number()).prop_map(|(f, a)| Gesture::Scale(f, a)),
             2 => number().prop_map(Gesture::Curve),
@@ -431,6 +497,17 @@ mod tests {
                         prop_assert_eq!(moved.is_some(), i < count);
                         prop_assert_eq!(moved, colors.as_slice().get(i).copied());
                         with_curve(opacity.curves_mut().unwrap(), i % 2, |points| move_to(points, i, x, y));
+                    }
+                    Gesture::Shift(ref indices, by, change) => {
+                        let indices: BTreeSet<usize> = indices.iter().copied().collect();
+                        let before = colors.positions();
+                        let moved = shift(colors, &indices, by, |v| v.map(|c| c + change));
+                        prop_assert!(moved.abs() <= by.abs() || by.is_nan());
+                        for (i, (a, b)) in before.iter().zip(colors.positions()).enumerate() {
+                            let by = if indices.contains(&i) { moved } else { 0.0 };
+                            prop_assert!((b - a - by).abs() < 1e-12, "point {} of {:?}", i, gesture);
+                        }
+                        with_curve(opacity.curves_mut().unwrap(), 0, |p| shift(p, &indices, by, |v| v * change));
                     }
                     Gesture::Remove(i) => {
                         remove(colors, i);

@@ -30,7 +30,8 @@
 //! ]
 //! ```
 //!
-//! The same two tables may stand in a settings file under `[opacity.transfer]`. Files of other programs are read and
+//! Before them may stand `name = "…"`, which is for people only. The same may stand in a settings file under
+//! `[opacity.transfer]`. Files of other programs are read and
 //! written too: [`formats`]. What an editor does to points is [`edit`].
 
 mod color;
@@ -70,6 +71,9 @@ const LARGEST_FILE: u64 = 64 << 20;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TransferFunction {
+    /// What it was made from, for people; no picture depends on it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
     /// Colour over κ.
     pub color: ColorFunction,
     /// Opacity over (depth, |κ|).
@@ -79,7 +83,7 @@ pub struct TransferFunction {
 impl TransferFunction {
     /// Neutral colour and one opacity everywhere.
     pub fn uniform(opacity: f64) -> TransferFunction {
-        TransferFunction { color: ColorFunction::neutral(), opacity: OpacityFunction::uniform(opacity) }
+        TransferFunction { name: None, color: ColorFunction::neutral(), opacity: OpacityFunction::uniform(opacity) }
     }
 
     /// Reads the TOML form. Images that it names are not loaded; [`TransferSource::resolve`] does both.

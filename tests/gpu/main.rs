@@ -10,6 +10,7 @@ mod captures;
 mod common;
 mod curvature;
 mod hard_cases;
+mod histogram;
 mod meshes;
 mod pictures;
 mod raster;

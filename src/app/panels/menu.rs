@@ -132,6 +132,7 @@ fn view(ui: &mut Ui, workspace: &mut Workspace) {
     let preferences = &mut workspace.preferences;
     ui.checkbox(&mut preferences.parts, "Parts");
     ui.checkbox(&mut preferences.stages, "Stages");
+    ui.checkbox(&mut preferences.editors, "Transfer functions");
     ui.menu_button("Theme", |ui| {
         for (theme, name) in [(Theme::System, "As the desktop"), (Theme::Dark, "Dark"), (Theme::Light, "Light")] {
             ui.radio_value(&mut preferences.theme, theme, name);

@@ -66,7 +66,12 @@ pub fn prompt(ui: &mut Ui, workspace: &mut Workspace) {
             if !line.has_focus() && !entered {
                 line.request_focus();
             }
-            let word = if prompt.choice == Choice::Open { "Open" } else { "Save" };
+            let word = match prompt.choice {
+                Choice::Open => "Open",
+                Choice::ImportTransfer => "Import",
+                Choice::ExportTransfer => "Export",
+                Choice::SaveSession | Choice::SavePicture => "Save",
+            };
             done = ui.button(word).clicked() || entered;
         });
     if ui.input(|i| i.key_pressed(egui::Key::Escape)) {

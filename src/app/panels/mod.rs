@@ -16,11 +16,16 @@ use egui::{CentralPanel, Frame, Panel, Pos2, Rect, Sense, Ui};
 
 use super::viewport::{self, Paint};
 use super::workspace::{Viewport, Workspace};
+use super::{compare, editors};
 
 /// Everything, from the outside in.
 pub fn show(ui: &mut Ui, workspace: &mut Workspace) {
     Panel::top("menu").show(ui, |ui| menu::show(ui, workspace));
     Panel::bottom("status").show(ui, |ui| status::show(ui, workspace));
+    if workspace.preferences.editors {
+        let panel = Panel::bottom("editors").resizable(true).default_size(232.0).size_range(150.0..=520.0);
+        panel.show(ui, |ui| editors::show(ui, workspace));
+    }
     if workspace.preferences.stages {
         Panel::right("stages").default_size(316.0).size_range(240.0..=520.0).show(ui, |ui| {
             egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
@@ -56,8 +61,9 @@ fn picture(ui: &mut Ui, workspace: &mut Workspace) {
                 let (then, of) = &screen.view;
                 viewport::moved_along((then, *of), (&d.seen.camera, size), &d.scene.bounds())
             });
-            let paint = Paint { picture: screen.shown.clone(), origin: [left, top], size, moved };
+            let paint = Paint { picture: screen.shown.clone(), slot: 0, origin: [left, top], size, moved };
             ui.painter().add(egui_wgpu::Callback::new_paint_callback(rect, paint));
+            compare::show(ui, rect, workspace);
         }
         None => {
             ui.painter().rect_filled(rect, 0.0, style::behind_the_picture(ui.visuals().dark_mode));

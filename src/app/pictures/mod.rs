@@ -16,9 +16,12 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use super::document::Seen;
+use super::watch::ShaderTexts;
 use crate::math::Camera;
-use crate::render::{FrameReport, PickedLayer};
+use crate::render::{FrameReport, LayerHistogram, PickedLayer};
 use crate::scene::Scene;
+use crate::settings::Settings;
+use crate::transfer::TransferFunction;
 use pace::Pace;
 use worker::Worker;
 
@@ -46,6 +49,28 @@ impl Kind {
     }
 }
 
+/// Settings that the present ones are compared with.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Against {
+    /// The settings.
+    pub settings: Settings,
+    /// Their transfer functions.
+    pub transfer: Arc<TransferFunction>,
+}
+
+/// What pictures depend on or bring along beside what is seen.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Extras {
+    /// The transfer functions of the settings; they are resolved by the renderer if they could not be before.
+    pub transfer: Option<Arc<TransferFunction>>,
+    /// After the exact picture, another one with these settings is drawn.
+    pub against: Option<Against>,
+    /// Layers are counted by depth and curvature.
+    pub counts: bool,
+    /// Texts that stand in for shader modules.
+    pub shaders: Arc<ShaderTexts>,
+}
+
 /// What is to be drawn.
 #[derive(Clone)]
 pub struct Order {
@@ -57,6 +82,8 @@ pub struct Order {
     pub scene_number: u64,
     /// Settings and camera.
     pub seen: Seen,
+    /// The rest.
+    pub extras: Extras,
     /// Of the viewport, pixels.
     pub size: [u32; 2],
     /// When to begin.
@@ -134,6 +161,12 @@ pub enum Delivery {
     Fault(Fault),
     /// What is under a pixel.
     Picked(Picked),
+    /// The exact picture of [`Against`].
+    Compared(Box<Picture>),
+    /// Layers of the last picture of a scene, by its number.
+    Counts(u64, Box<LayerHistogram>),
+    /// Something that a user should know.
+    Said(String),
 }
 
 /// Both threads and what was asked of them.
@@ -167,10 +200,11 @@ impl Pictures {
     }
 
     /// Asks for pictures, unless the same was asked for last; gives the number that they will have.
-    pub fn ask(&mut self, scene: &Arc<Scene>, scene_number: u64, seen: &Seen, size: [u32; 2]) -> u64 {
+    pub fn ask(&mut self, scene: &Arc<Scene>, scene_number: u64, seen: &Seen, extras: Extras, size: [u32; 2]) -> u64 {
         if let Some(asked) = &self.asked
             && (asked.scene_number, asked.size) == (scene_number, size)
             && asked.seen == *seen
+            && asked.extras == extras
         {
             return self.number;
         }
@@ -182,6 +216,7 @@ impl Pictures {
             scene: Arc::clone(scene),
             scene_number,
             seen: seen.clone(),
+            extras,
             size,
             not_before: now,
         };

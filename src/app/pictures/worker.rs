@@ -1,5 +1,6 @@
 //! A thread with a device of its own that draws what it was last asked for.
 
+use std::collections::BTreeSet;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::Sender;
@@ -8,12 +9,13 @@ use std::time::Instant;
 
 use super::pace::Pace;
 use super::simplify::simplified;
-use super::{Delivery, Fault, Kind, Order, PickOrder, Picked, Picture};
+use super::{Delivery, Extras, Fault, Kind, Order, PickOrder, Picked, Picture};
 use crate::app::document::Seen;
+use crate::app::watch::ShaderTexts;
 use crate::export::image::parse_background;
 use crate::export::png::rgba8;
 use crate::gpu::{Gpu, GpuError, GpuOptions, Timing};
-use crate::render::{GpuScene, RenderError, Renderer};
+use crate::render::{FrameReport, GpuScene, RenderError, Renderer};
 use crate::scene::{Arrangement, Scene};
 
 /// Triangles of a preview on a software rasterizer.
@@ -56,23 +58,33 @@ impl Worker {
         let desk = Arc::new(Desk { slot: Mutex::default(), posted: Condvar::new(), cancel: Arc::default() });
         let theirs = Arc::clone(&desk);
         let run = move || {
-            let mut studio = Studio { kind, pace, bench: None, cancel: Arc::clone(&theirs.cancel) };
+            let cancel = Arc::clone(&theirs.cancel);
+            let mut studio =
+                Studio { kind, pace, bench: None, cancel, shaders: Arc::default(), refused: None, said: None };
+            // Whether the window is still there.
+            let deliver = |delivery: Delivery| {
+                let there = sender.send(delivery).is_ok();
+                wake();
+                there
+            };
             while let Some(work) = theirs.next() {
-                let delivery = match work {
-                    Work::Pick(order) => studio.pick(&order),
-                    Work::Draw(order) => {
-                        let delivery = studio.fill(&order);
-                        if delivery.is_none() {
-                            theirs.take_back(order);
+                let there = match work {
+                    Work::Pick(order) => studio.pick(&order).is_none_or(&deliver),
+                    Work::Draw(order) => match studio.fill(&order) {
+                        None => {
+                            theirs.take_back(*order);
+                            true
                         }
-                        delivery
-                    }
+                        Some(Delivery::Picture(picture)) => {
+                            let report = picture.report.clone();
+                            deliver(Delivery::Picture(picture))
+                                && studio.afterwards(&order, &report, &theirs).into_iter().all(&deliver)
+                        }
+                        Some(other) => deliver(other),
+                    },
                 };
-                if let Some(delivery) = delivery {
-                    if sender.send(delivery).is_err() {
-                        return;
-                    }
-                    wake();
+                if !(there && studio.said.take().is_none_or(|text| deliver(Delivery::Said(text)))) {
+                    return;
                 }
             }
         };
@@ -144,10 +156,16 @@ impl Desk {
                 }
                 Some(_) => {
                     self.cancel.store(false, Ordering::Relaxed);
-                    return slot.order.take().map(Work::Draw);
+                    return slot.order.take().map(|order| Work::Draw(Box::new(order)));
                 }
             };
         }
+    }
+
+    /// Whether there is nothing newer to do.
+    fn is_idle(&self) -> bool {
+        let slot = lock(&self.slot);
+        slot.order.is_none() && slot.pick.is_none() && !slot.closed
     }
 
     /// Puts back an order that was given up only for a pick.
@@ -161,7 +179,7 @@ impl Desk {
 
 /// What the thread does next.
 enum Work {
-    Draw(Order),
+    Draw(Box<Order>),
     Pick(PickOrder),
 }
 
@@ -187,6 +205,11 @@ struct Studio {
     pace: Arc<Mutex<Pace>>,
     bench: Option<Bench>,
     cancel: Arc<AtomicBool>,
+    /// Texts that stand in for shader modules.
+    shaders: Arc<ShaderTexts>,
+    /// Those that a device has refused: the ones before are kept.
+    refused: Option<Arc<ShaderTexts>>,
+    said: Option<String>,
 }
 
 impl Studio {
@@ -195,6 +218,15 @@ impl Studio {
         let mut result = self.attempt(order);
         if let Err(RenderError::Gpu(GpuError::Lost(_) | GpuError::Device(_) | GpuError::Exhausted)) = &result {
             tracing::warn!("{} picture: the device failed and is opened again", self.kind.name());
+            self.bench = None;
+            result = self.attempt(order);
+        }
+        if let Err(RenderError::Gpu(GpuError::Shader { file, line, reason })) = &result
+            && !order.extras.shaders.is_empty()
+            && self.refused.as_ref() != Some(&order.extras.shaders)
+        {
+            self.said = Some(format!("{file}:{line}: {} (the program's own shaders are used)", reason.trim()));
+            self.refused = Some(Arc::clone(&order.extras.shaders));
             self.bench = None;
             result = self.attempt(order);
         }
@@ -218,6 +250,64 @@ impl Studio {
         }
     }
 
+    /// What comes with a picture that has just been drawn, if there is time: its layers counted, and the one that it is
+    /// compared with.
+    fn afterwards(&mut self, order: &Order, report: &FrameReport, desk: &Desk) -> Vec<Delivery> {
+        let mut all = Vec::new();
+        if order.extras.counts
+            && desk.is_idle()
+            && let Some(Bench { renderer, scene: Some(uploaded), .. }) = &self.bench
+        {
+            let begin = Instant::now();
+            // Pixels of a moment ago are worth no fault: the next picture will say what is wrong.
+            let counted = catch_unwind(AssertUnwindSafe(|| {
+                renderer.layer_histogram(report, &uploaded.scene, &order.seen.camera).ok().flatten()
+            }));
+            if let Ok(Some(mut counts)) = counted {
+                counts.serial = 2 * order.number + u64::from(self.kind == Kind::Exact);
+                let milliseconds = begin.elapsed().as_secs_f64() * 1e3;
+                tracing::debug!(
+                    "{} {}: {} layers counted in {milliseconds:.1} ms",
+                    self.kind.name(),
+                    order.number,
+                    counts.map.total()
+                );
+                all.push(Delivery::Counts(order.scene_number, Box::new(counts)));
+            }
+        }
+        if self.kind == Kind::Exact
+            && desk.is_idle()
+            && let Some(against) = &order.extras.against
+        {
+            let mut other = order.clone();
+            other.seen.settings = against.settings.clone();
+            other.extras =
+                Extras { transfer: Some(Arc::clone(&against.transfer)), against: None, ..order.extras.clone() };
+            match self.fill(&other) {
+                Some(Delivery::Picture(picture)) => all.push(Delivery::Compared(picture)),
+                Some(Delivery::Fault(fault)) => {
+                    all.push(Delivery::Said(format!("There is no exact picture of A: {}", fault.message)));
+                }
+                _ => {}
+            }
+        }
+        all
+    }
+
+    /// Makes the device take over texts of shaders.
+    fn take_shaders(&mut self, wanted: &Arc<ShaderTexts>) {
+        if *wanted == self.shaders || self.refused.as_ref() == Some(wanted) {
+            return;
+        }
+        if let Some(bench) = &mut self.bench {
+            let modules: BTreeSet<&String> = self.shaders.keys().chain(wanted.keys()).collect();
+            for module in modules {
+                bench.renderer.replace_shader(module, wanted.get(module).cloned());
+            }
+        }
+        self.shaders = Arc::clone(wanted);
+    }
+
     fn attempt(&mut self, order: &Order) -> Result<Picture, RenderError> {
         // wgpu may panic after a device is lost.
         match catch_unwind(AssertUnwindSafe(|| self.draw(order))) {
@@ -237,6 +327,8 @@ impl Studio {
         arrangement: &Arrangement,
     ) -> Result<&mut Bench, RenderError> {
         if self.bench.is_none() {
+            // A new device knows none.
+            self.shaders = Arc::default();
             let gpu = Gpu::new(&GpuOptions::default())?;
             let software = gpu.facts().device_type == "Cpu";
             let mut renderer = Renderer::new(gpu)?;
@@ -297,6 +389,8 @@ impl Studio {
 
     fn draw(&mut self, order: &Order) -> Result<Picture, RenderError> {
         let (kind, pace) = (self.kind, Arc::clone(&self.pace));
+        self.prepare(&order.scene, order.scene_number, &order.seen.arrangement)?;
+        self.take_shaders(&order.extras.shaders);
         let bench = self.prepare(&order.scene, order.scene_number, &order.seen.arrangement)?;
         let Some(Uploaded { scene, .. }) = &bench.scene else {
             return Err(RenderError::Cancelled);
@@ -310,7 +404,10 @@ impl Studio {
                 lock(&pace).size(order.size)
             }
         };
-        let frame = bench.renderer.render(scene, &order.seen.camera, &settings, size)?;
+        let frame = match &order.extras.transfer {
+            Some(transfer) => bench.renderer.render_with(scene, &order.seen.camera, &settings, transfer, size)?,
+            None => bench.renderer.render(scene, &order.seen.camera, &settings, size)?,
+        };
         let background = parse_background(&settings.image.background).unwrap_or_default();
         let rgba = rgba8(&frame.image, background);
         let milliseconds = begin.elapsed().as_secs_f64() * 1e3;

@@ -85,7 +85,7 @@ impl Shell {
             pictures.pick(PickOrder {
                 scene: Arc::clone(&document.scene),
                 scene_number: self.workspace.scene_number,
-                seen: document.seen.clone(),
+                seen: self.workspace.resolved(&document.seen),
                 size: self.workspace.viewport.size,
                 pixel,
             });
