@@ -25,8 +25,11 @@ pub struct Compare {
     /// Where the divider stands, from 0 to 1 of the width.
     pub divider: f32,
     /// The picture of A, and the camera and viewport that it is of.
-    pub shown: Option<((Camera, [u32; 2]), Arc<Shown>)>,
+    pub shown: Option<(View, Arc<Shown>)>,
 }
+
+/// Camera and viewport of a picture.
+type View = (Camera, [u32; 2]);
 
 impl Workspace {
     /// Keeps the present settings as A.

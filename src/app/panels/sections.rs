@@ -114,9 +114,7 @@ fn plane(ui: &mut Ui, scene: &Scene, number: usize, section: &mut Section) -> bo
     ui.horizontal(|ui| {
         ui.spacing_mut().slider_width = (ui.available_width() - 96.0).max(60.0);
         let slider = ui.add(Slider::new(&mut section.offset, least..=most).show_value(false));
-        slider.widget_info(|| {
-            egui::WidgetInfo::slider(true, section.offset, format!("Position of section {number}"))
-        });
+        slider.widget_info(|| egui::WidgetInfo::slider(true, section.offset, format!("Position of section {number}")));
         let field = ui.add(DragValue::new(&mut section.offset).speed(size / 500.0).max_decimals(4));
         field.on_hover_text(format!("Along the direction, in the file's units: {least:.4} to {most:.4}"));
     });

@@ -146,7 +146,7 @@ impl Desk {
             }
             if let Some(pick) = slot.pick.take() {
                 self.cancel.store(false, Ordering::Relaxed);
-                return Some(Work::Pick(pick));
+                return Some(Work::Pick(Box::new(pick)));
             }
             let wait = slot.order.as_ref().map(|o| o.not_before.saturating_duration_since(Instant::now()));
             slot = match wait {
@@ -180,7 +180,7 @@ impl Desk {
 /// What the thread does next.
 enum Work {
     Draw(Box<Order>),
-    Pick(PickOrder),
+    Pick(Box<PickOrder>),
 }
 
 /// A device with a scene on it.
