@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use super::pace::Pace;
 use super::simplify::simplified;
-use super::{Delivery, Extras, Fault, Kind, Order, PickOrder, Picked, Picture};
+use super::{Counted, Delivery, Extras, Fault, Kind, Order, PickOrder, Picked, Picture};
 use crate::app::document::Seen;
 use crate::app::watch::ShaderTexts;
 use crate::export::image::parse_background;
@@ -146,7 +146,7 @@ impl Desk {
             }
             if let Some(pick) = slot.pick.take() {
                 self.cancel.store(false, Ordering::Relaxed);
-                return Some(Work::Pick(pick));
+                return Some(Work::Pick(Box::new(pick)));
             }
             let wait = slot.order.as_ref().map(|o| o.not_before.saturating_duration_since(Instant::now()));
             slot = match wait {
@@ -180,7 +180,7 @@ impl Desk {
 /// What the thread does next.
 enum Work {
     Draw(Box<Order>),
-    Pick(PickOrder),
+    Pick(Box<PickOrder>),
 }
 
 /// A device with a scene on it.
@@ -272,7 +272,12 @@ impl Studio {
                     order.number,
                     counts.map.total()
                 );
-                all.push(Delivery::Counts(order.scene_number, Box::new(counts)));
+                all.push(Delivery::Counts(Box::new(Counted {
+                    kind: self.kind,
+                    scene_number: order.scene_number,
+                    seen: order.seen.clone(),
+                    layers: Arc::new(counts),
+                })));
             }
         }
         if self.kind == Kind::Exact
