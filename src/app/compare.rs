@@ -18,18 +18,23 @@ use crate::math::Camera;
 /// Width of what takes the pointer around the divider.
 const GRIP: f32 = 14.0;
 
+/// An exact picture of the settings that were kept.
+pub struct PictureOfA {
+    /// The camera and the viewport that it is of.
+    pub view: (Camera, [u32; 2]),
+    /// Its pixels.
+    pub shown: Arc<Shown>,
+}
+
 /// Settings that are compared with the present ones.
 pub struct Compare {
     /// A.
     pub kept: Against,
     /// Where the divider stands, from 0 to 1 of the width.
     pub divider: f32,
-    /// The picture of A, and the camera and viewport that it is of.
-    pub shown: Option<(View, Arc<Shown>)>,
+    /// The picture of A.
+    pub shown: Option<PictureOfA>,
 }
-
-/// Camera and viewport of a picture.
-type View = (Camera, [u32; 2]);
 
 impl Workspace {
     /// Keeps the present settings as A.
@@ -97,7 +102,7 @@ pub fn show(ui: &mut Ui, rect: Rect, workspace: &mut Workspace) {
     let ppp = ui.ctx().pixels_per_point();
     let at_pixel = |x: f32| (x * ppp).round() / ppp;
     let x = at_pixel(rect.left() + compare.divider * rect.width());
-    if different && let Some(((camera, size), shown)) = &compare.shown {
+    if different && let Some(PictureOfA { view: (camera, size), shown }) = &compare.shown {
         let now = (&document.seen.camera, viewport.size);
         let moved = if (*camera, *size) == (document.seen.camera, viewport.size) {
             None

@@ -245,8 +245,10 @@ impl Shell {
                     self.workspace.show_compared(*picture);
                     changed = true;
                 }
-                Delivery::Counts(of, counts) => {
-                    self.workspace.counts = Some((of, Arc::from(counts)));
+                Delivery::Counts(counted) => {
+                    if self.workspace.counts.as_ref().is_none_or(|c| counted.supersedes(c)) {
+                        self.workspace.counts = Some(*counted);
+                    }
                     changed = true;
                 }
                 Delivery::Said(text) => {

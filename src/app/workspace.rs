@@ -8,7 +8,7 @@ use std::sync::Arc;
 use glam::{DVec2, DVec3};
 
 use super::camera::{self, Frame};
-use super::compare::Compare;
+use super::compare::{Compare, PictureOfA};
 use super::config::Preferences;
 use super::dialogs::Choice;
 use super::document::{Document, Seen};
@@ -16,12 +16,12 @@ use super::editors;
 use super::functions::{Functions, Resolved};
 use super::loader::Opened;
 use super::panels::parts::Tree;
-use super::pictures::{Extras, Kind, Picked, Picture};
+use super::pictures::{Counted, Extras, Kind, Picked, Picture};
 use super::viewport::Shown;
 use super::watch::{Changed, ShaderTexts};
 use crate::math::Camera;
 use crate::plan::{self, Capabilities, FramePlan, ViewStats};
-use crate::render::{FrameReport, LayerHistogram};
+use crate::render::FrameReport;
 use crate::scene::{Arrangement, NoticeKind, Scene};
 use crate::session::{Session, camera_in_file, camera_in_scene};
 use crate::settings::Settings;
@@ -187,8 +187,8 @@ pub struct Workspace {
     pub picked: Option<(Picked, usize)>,
     /// The transfer functions, resolved.
     pub functions: Functions,
-    /// Layers by depth and curvature in the last picture that they were counted in, and of which scene.
-    pub counts: Option<(u64, Arc<LayerHistogram>)>,
+    /// Layers by depth and curvature of the last picture worth counting.
+    pub counts: Option<Counted>,
     /// Texts that stand in for shader modules.
     pub shaders: Arc<ShaderTexts>,
     /// Settings that the present ones are compared with.
@@ -419,7 +419,7 @@ impl Workspace {
         {
             let view = (picture.seen.camera, picture.viewport);
             let serial = picture.number + (number << 32);
-            compare.shown = Some((view, Arc::new(shown_of(serial, picture))));
+            compare.shown = Some(PictureOfA { view, shown: Arc::new(shown_of(serial, picture)) });
         }
     }
 

@@ -70,7 +70,8 @@ pub fn show(ui: &mut Ui, workspace: &mut Workspace) {
             return;
         }
     };
-    let counts = workspace.counts.as_ref().filter(|(of, _)| *of == workspace.scene_number).map(|(_, c)| Arc::clone(c));
+    let number = workspace.scene_number;
+    let counts = workspace.counts.as_ref().filter(|c| c.scene_number == number).map(|c| Arc::clone(&c.layers));
     // A state that is put back by undo, or another function: whatever is under way is about points that are gone.
     let state = &mut workspace.layout.editors;
     let gesture = workspace.document.as_ref().is_some_and(|d| d.in_gesture());
@@ -185,6 +186,8 @@ pub fn title(source: &TransferSource) -> String {
 fn toolbar(ui: &mut Ui, workspace: &mut Workspace, function: Option<&TransferFunction>) {
     let mut wanted = None;
     ui.horizontal(|ui| {
+        // As high as the thumbnails, so that words stand in their middle.
+        ui.set_min_height(30.0);
         if let Some(document) = &mut workspace.document {
             let settings = &mut document.seen.settings;
             ui.label(RichText::new(title(&settings.opacity.transfer)).strong());

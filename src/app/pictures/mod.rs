@@ -153,6 +153,31 @@ pub struct Fault {
     pub message: String,
 }
 
+/// Layers of a picture, by depth and curvature.
+#[derive(Clone, Debug)]
+pub struct Counted {
+    /// Exact pictures have all layers.
+    pub kind: Kind,
+    /// Of which scene.
+    pub scene_number: u64,
+    /// What the picture shows.
+    pub seen: Seen,
+    /// How many there are.
+    pub layers: Arc<LayerHistogram>,
+}
+
+impl Counted {
+    /// Whether these are worth more than those of `other`: newer, unless an exact picture of the same layers was counted
+    /// before. Transfer functions and light make no layers.
+    pub fn supersedes(&self, other: &Counted) -> bool {
+        let (now, then) = (&self.seen, &other.seen);
+        let same = self.scene_number == other.scene_number
+            && (now.camera, &now.arrangement) == (then.camera, &then.arrangement)
+            && (&now.settings.capture, &now.settings.features) == (&then.settings.capture, &then.settings.features);
+        !(same && other.kind == Kind::Exact && self.kind == Kind::Preview)
+    }
+}
+
 /// What comes back from the threads.
 pub enum Delivery {
     /// A picture.
@@ -163,8 +188,8 @@ pub enum Delivery {
     Picked(Picked),
     /// The exact picture of [`Against`].
     Compared(Box<Picture>),
-    /// Layers of the last picture of a scene, by its number.
-    Counts(u64, Box<LayerHistogram>),
+    /// Its layers, counted.
+    Counts(Box<Counted>),
     /// Something that a user should know.
     Said(String),
 }
@@ -279,6 +304,21 @@ pub fn supersedes(new: (u64, Kind), shown: Option<(u64, Kind)>) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_preview_does_not_count_anew_what_was_counted_exactly() {
+        use crate::app::camera;
+        use crate::scene::Arrangement;
+        let camera = camera::first(&Scene::default().bounds(), 1.0);
+        let seen = Seen { settings: Settings::default(), camera, arrangement: Arrangement::default() };
+        let exact = Counted { kind: Kind::Exact, scene_number: 1, seen, layers: Arc::new(LayerHistogram::empty()) };
+        let mut preview = Counted { kind: Kind::Preview, ..exact.clone() };
+        preview.seen.settings.opacity.gain = 3.0;
+        assert!(!preview.supersedes(&exact) && exact.supersedes(&preview) && preview.supersedes(&preview));
+        assert!(Counted { scene_number: 2, ..preview.clone() }.supersedes(&exact));
+        preview.seen.camera = camera.azimuth(5.0);
+        assert!(preview.supersedes(&exact));
+    }
 
     #[test]
     fn pictures_never_go_back() {

@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use super::pace::Pace;
 use super::simplify::simplified;
-use super::{Delivery, Extras, Fault, Kind, Order, PickOrder, Picked, Picture};
+use super::{Counted, Delivery, Extras, Fault, Kind, Order, PickOrder, Picked, Picture};
 use crate::app::document::Seen;
 use crate::app::watch::ShaderTexts;
 use crate::export::image::parse_background;
@@ -272,7 +272,12 @@ impl Studio {
                     order.number,
                     counts.map.total()
                 );
-                all.push(Delivery::Counts(order.scene_number, Box::new(counts)));
+                all.push(Delivery::Counts(Box::new(Counted {
+                    kind: self.kind,
+                    scene_number: order.scene_number,
+                    seen: order.seen.clone(),
+                    layers: Arc::new(counts),
+                })));
             }
         }
         if self.kind == Kind::Exact
