@@ -20,6 +20,8 @@ pub enum Choice {
     SaveSession,
     /// The picture is written to it.
     SavePicture,
+    /// Pictures of the export panel are written to it.
+    Export,
 }
 
 impl Choice {
@@ -29,6 +31,7 @@ impl Choice {
             Choice::Open => "Open a model or a session",
             Choice::SaveSession => "Save the session",
             Choice::SavePicture => "Save the picture",
+            Choice::Export => "Write pictures",
         }
     }
 
@@ -36,7 +39,7 @@ impl Choice {
         match self {
             Choice::Open => "glb",
             Choice::SaveSession => "toml",
-            Choice::SavePicture => "png",
+            Choice::SavePicture | Choice::Export => "png",
         }
     }
 }
@@ -73,7 +76,7 @@ pub fn choose(choice: Choice, window: Option<&Window>, file: Option<&str>, done:
             let answer = dialog.add_filter("Models and sessions", &["glb", "gltf", "toml"]).pick_file();
             std::thread::Builder::new().name("dialog".to_owned()).spawn(move || finish(pollster::block_on(answer)))
         }
-        Choice::SaveSession | Choice::SavePicture => {
+        Choice::SaveSession | Choice::SavePicture | Choice::Export => {
             let answer = dialog.set_file_name(name).save_file();
             std::thread::Builder::new().name("dialog".to_owned()).spawn(move || finish(pollster::block_on(answer)))
         }
@@ -105,6 +108,10 @@ pub fn fulfil(workspace: &mut Workspace, choice: Choice, path: &str) {
             workspace.asks.push(Ask::Open(path.to_owned()));
             return;
         }
+        Choice::Export => {
+            workspace.asks.push(Ask::Export(path.to_owned()));
+            return;
+        }
         Choice::SaveSession => {
             let folder = Path::new(path).parent().unwrap_or(Path::new(""));
             workspace.session(folder).and_then(|text| write(Path::new(path), text.as_bytes()))
@@ -127,7 +134,7 @@ fn picture(workspace: &Workspace) -> Result<Vec<u8>, String> {
 }
 
 /// Writes a file, whole or not at all.
-fn write(path: &Path, bytes: &[u8]) -> Result<(), String> {
+pub(super) fn write(path: &Path, bytes: &[u8]) -> Result<(), String> {
     let draft = path.with_extension(format!("{}.tmp", std::process::id()));
     std::fs::write(&draft, bytes).and_then(|()| std::fs::rename(&draft, path)).map_err(|e| {
         // It may never have come to be.

@@ -11,7 +11,9 @@
 //! | [`workspace`] | everything the window knows; [`panels`] show and change it |
 //! | [`document`] | model, what is seen of it, undo |
 //! | [`pictures`] | previews and exact pictures; [`viewport`] brings them to the screen pixel for pixel |
-//! | [`camera`] | gestures, as functions |
+//! | [`hand`] | the mouse on the picture; [`camera`] gestures, as functions |
+//! | [`picking`] | what becomes of layers under a pixel; [`measure`] distances between them |
+//! | [`exports`] | pictures of any size and turntables into files |
 //! | [`loader`] | opening files |
 
 pub mod camera;
@@ -19,9 +21,13 @@ pub mod command_line;
 pub mod config;
 pub mod dialogs;
 pub mod document;
+pub mod exports;
+pub mod hand;
 pub mod keys;
 pub mod loader;
+pub mod measure;
 pub mod panels;
+pub mod picking;
 pub mod pictures;
 pub mod shell;
 pub mod surface;

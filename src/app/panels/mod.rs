@@ -1,15 +1,20 @@
 //! What stands around the picture, one function a panel. All of them work on the [`Workspace`] alone.
 
+pub mod export;
+pub mod measure;
 pub mod menu;
 pub mod messages;
 pub mod parts;
 pub mod plan;
+pub mod selection;
 pub mod shortcuts;
+pub mod stack;
 pub mod stages;
 pub mod status;
 pub mod style;
 #[cfg(test)]
 mod tests;
+pub mod views;
 
 use egui::{CentralPanel, Frame, Panel, Pos2, Rect, Sense, Ui};
 
@@ -33,6 +38,7 @@ pub fn show(ui: &mut Ui, workspace: &mut Workspace) {
     }
     CentralPanel::default().frame(Frame::NONE).show(ui, |ui| picture(ui, workspace));
     messages::prompt(ui, workspace);
+    views::show(ui, workspace);
     shortcuts::show(ui, workspace);
 }
 
@@ -61,5 +67,9 @@ fn picture(ui: &mut Ui, workspace: &mut Workspace) {
             ui.painter().rect_filled(rect, 0.0, style::behind_the_picture(ui.visuals().dark_mode));
         }
     }
+    measure::overlay(ui, rect, workspace);
     messages::show(ui, rect, workspace);
+    export::show(ui, rect, workspace);
+    measure::show(ui, rect, workspace);
+    stack::show(ui, rect, workspace);
 }
