@@ -34,6 +34,9 @@ pub mod surface;
 pub mod viewport;
 pub mod workspace;
 
+#[cfg(test)]
+mod fuzz;
+
 pub use shell::run;
 
 /// Why there is no window.

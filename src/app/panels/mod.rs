@@ -34,7 +34,7 @@ pub fn show(ui: &mut Ui, workspace: &mut Workspace) {
         });
     }
     if workspace.preferences.parts {
-        Panel::left("parts").default_size(220.0).size_range(140.0..=520.0).show(ui, |ui| parts::show(ui, workspace));
+        Panel::left("parts").default_size(244.0).size_range(140.0..=520.0).show(ui, |ui| parts::show(ui, workspace));
     }
     CentralPanel::default().frame(Frame::NONE).show(ui, |ui| picture(ui, workspace));
     messages::prompt(ui, workspace);

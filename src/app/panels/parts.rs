@@ -115,7 +115,7 @@ pub fn show(ui: &mut Ui, workspace: &mut Workspace) {
     // Else the panel shrinks to what is in it.
     ui.take_available_width();
     if workspace.document.is_some() {
-        egui::Panel::bottom("selection").show(ui, |ui| selection::show(ui, workspace));
+        egui::Panel::bottom("selection").frame(egui::Frame::NONE).show(ui, |ui| selection::show(ui, workspace));
     }
     let Some(document) = &workspace.document else {
         ui.weak("No parts.");

@@ -21,7 +21,8 @@ pub fn show(ui: &mut Ui, workspace: &mut Workspace) {
         return;
     };
     let arrangement = &mut document.seen.arrangement;
-    ui.add_space(2.0);
+    ui.spacing_mut().slider_width = 86.0;
+    ui.add_space(4.0);
     ui.horizontal(|ui| {
         let label = ui.label("Explode");
         let slider = Slider::new(&mut arrangement.explode, 0.0..=MOST_EXPLODED).fixed_decimals(2);
@@ -79,7 +80,7 @@ fn looks(ui: &mut Ui, arrangement: &mut Arrangement, selected: &[u32], first: u3
         let label = ui.label(if mixed { RichText::new(text).italics() } else { RichText::new(text) });
         if mixed { label.on_hover_text("Not the same for all selected parts") } else { label }
     };
-    Grid::new("looks").num_columns(2).spacing([8.0, 4.0]).show(ui, |ui| {
+    Grid::new("looks").num_columns(2).spacing([6.0, 4.0]).show(ui, |ui| {
         name(ui, "Presence", mixed[0]);
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 2.0;
