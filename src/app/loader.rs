@@ -5,6 +5,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
+use super::camera;
 use crate::import::{self, ImportOptions};
 use crate::scene::hard_case::{HardCase, Source};
 use crate::scene::{Arrangement, Scene, builtin};
@@ -128,8 +129,12 @@ fn hard_case(name: &str) -> Result<Opened, String> {
         Source::ThroughFile(_) | Source::Bytes(_) => format!("{HARD_CASE}{name}"),
     };
     let settings = Settings::from_pairs(case.ours.settings).map_err(|e| full(&e))?;
-    let camera = camera_in_file(&case.camera.of(&scene.bounds(), case.size), &scene);
-    let session = Session { file, size: case.size, camera, settings, arrangement: Arrangement::default() };
+    let size = case.size.map(|n| n.max(1));
+    let camera = Some(case.camera.of(&scene.bounds(), case.size)).filter(camera::is_sound);
+    // A picture of no pixels, which is a case too, has no camera; a window has pixels.
+    let camera = camera.unwrap_or_else(|| camera::first(&scene.bounds(), 1.0));
+    let camera = camera_in_file(&camera, &scene);
+    let session = Session { file, size, camera, settings, arrangement: Arrangement::default() };
     Ok(Opened { scene, session: Some(session), case: Some(case) })
 }
 
@@ -210,7 +215,7 @@ mod tests {
             let opened = hard_case(case.name).unwrap_or_else(|e| panic!("{}: {e}", case.name));
             let session = opened.session.unwrap();
             assert_eq!(opened.case.map(|c| c.name), Some(case.name));
-            assert!(crate::app::camera::is_sound(&session.camera), "{}: {:?}", case.name, session.camera);
+            assert!(camera::is_sound(&session.camera), "{}: {:?}", case.name, session.camera);
             assert_eq!(session.settings, Settings::from_pairs(case.ours.settings).unwrap());
         }
     }

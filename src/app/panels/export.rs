@@ -34,6 +34,7 @@ pub fn show(ui: &mut Ui, picture: Rect, workspace: &mut Workspace) {
     let (mut open, mut write) = (true, false);
     Window::new("Write pictures")
         .default_pos(picture.center() - egui::vec2(130.0, 90.0))
+        .default_width(216.0)
         .open(&mut open)
         .resizable(false)
         .collapsible(false)

@@ -64,6 +64,7 @@ pub fn show(ui: &Ui, picture: Rect, workspace: &mut Workspace) {
     let mut copied = None;
     Window::new("Measure")
         .default_pos(picture.left_top() + vec2(10.0, 10.0))
+        .default_width(216.0)
         .constrain_to(picture)
         .open(&mut open)
         .resizable(false)
@@ -103,10 +104,10 @@ pub fn show(ui: &Ui, picture: Rect, workspace: &mut Workspace) {
             ui.separator();
             let [x, y, z] = distance.difference.to_array().map(number);
             let length = number(distance.length);
-            ui.heading(&length).on_hover_text(
-                "In the file's units (metres, in glTF), between the points as the file has them: the exploded view does \
-                 not count.",
-            );
+            let help = "In the file's units (metres, in glTF), between the points as the file has them: the exploded view \
+                        does not count.";
+            let shown = ui.heading(&length).on_hover_text(help);
+            shown.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, format!("Length {length}")));
             for (axis, value) in ["x", "y", "z"].into_iter().zip([&x, &y, &z]) {
                 ui.label(format!("Δ{axis} {value}"));
             }

@@ -85,7 +85,7 @@ fn looks(ui: &mut Ui, arrangement: &mut Arrangement, selected: &[u32], first: u3
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 2.0;
             for (presence, text) in
-                [(Presence::Shown, "Shown"), (Presence::Ghosted, "Ghosted"), (Presence::Hidden, "Hidden")]
+                [(Presence::Shown, "Shown"), (Presence::Ghosted, "Ghost"), (Presence::Hidden, "Hidden")]
             {
                 if ui.add(Button::selectable(!mixed[0] && look.presence == presence, text)).clicked() {
                     change = Some(Box::new(move |l| l.presence = presence));

@@ -203,7 +203,7 @@ fn looks_of_the_selection_are_changed_together() {
     document.seen.arrangement.selected = [0, 2].into();
     let mut harness = harness(chosen);
     harness.get_by_label("2 parts");
-    harness.get_by_label("Ghosted").click();
+    harness.get_by_label("Ghost").click();
     harness.run();
     harness.get_by_label("Own colour").click();
     harness.run();
@@ -272,11 +272,11 @@ fn two_clicks_measure_and_the_layer_can_be_changed() {
         harness.state_mut().take_picked(found);
         harness.run();
     }
-    harness.get_by_label("5");
+    harness.get_by_label("Length 5");
     harness.get_by_label("Δx 3");
     assert!(harness.state_mut().measure_next([61, 60]), "a click on the last point goes to the layer behind");
     harness.run();
-    harness.get_by_label("10");
+    harness.get_by_label("Length 10");
     harness.get_by_label("Copy").click();
     harness.run();
     assert_eq!(harness.state().asks, [Ask::Copy("10\t6\t8\t0".to_owned())]);
