@@ -93,6 +93,14 @@ impl Exporting {
         let run = move || {
             let result = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| export(&job, &theirs, &wake)))
                 .unwrap_or_else(|_| Err("the renderer panicked; the log says where".to_owned()));
+            // Called off is no fault.
+            let result = match result {
+                Err(_) if theirs.called_off.load(Ordering::Relaxed) => {
+                    let done = theirs.done.load(Ordering::Relaxed);
+                    Ok(format!("Called off; {done} of {count} pictures are written."))
+                }
+                other => other,
+            };
             *theirs.result.lock().unwrap_or_else(PoisonError::into_inner) = Some(result);
             wake();
         };
@@ -126,24 +134,19 @@ impl Drop for Exporting {
 
 fn export(job: &Job, shared: &Shared, wake: &impl Fn()) -> Result<String, String> {
     let count = job.count();
-    let called_off = |done: u32| format!("Called off; {done} of {count} pictures are written.");
-    let of_renderer = |done: u32, e: RenderError| match e {
-        RenderError::Cancelled => called_off(done),
-        other => other.to_string(),
-    };
     let Seen { settings, camera, arrangement } = &job.seen;
     let background = if job.form.background { parse_background(&settings.image.background)? } else { None };
     let gpu = Gpu::new(&GpuOptions::default()).map_err(|e| e.to_string())?;
-    let mut renderer = Renderer::new(gpu).map_err(|e| of_renderer(0, e))?;
+    let mut renderer = Renderer::new(gpu).map_err(|e| e.to_string())?;
     renderer.cancel = Some(Arc::clone(&shared.called_off));
-    let mut scene = renderer.load(&job.scene).map_err(|e| of_renderer(0, e))?;
-    renderer.arrange(&mut scene, &job.scene, arrangement).map_err(|e| of_renderer(0, e))?;
+    let mut scene = renderer.load(&job.scene).map_err(|e| e.to_string())?;
+    renderer.arrange(&mut scene, &job.scene, arrangement).map_err(|e| e.to_string())?;
     for frame in 0..count {
         if shared.called_off.load(Ordering::Relaxed) {
-            return Err(called_off(frame));
+            return Err(RenderError::Cancelled.to_string());
         }
         let camera = camera::spun(camera, camera.focal_point, 360.0 * f64::from(frame) / f64::from(count));
-        let drawn = renderer.render(&scene, &camera, settings, job.form.size).map_err(|e| of_renderer(frame, e))?;
+        let drawn = renderer.render(&scene, &camera, settings, job.form.size).map_err(|e| e.to_string())?;
         let png = write_png(&drawn.image, background, 8).map_err(|e| e.to_string())?;
         let file = job.file(frame);
         write(&file, &png).map_err(|e| format!("{}: {e}", file.display()))?;
