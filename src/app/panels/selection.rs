@@ -64,6 +64,9 @@ pub fn show(ui: &mut Ui, workspace: &mut Workspace) {
     }
 }
 
+/// What is done to each of the selected parts.
+type Change = Box<dyn Fn(&mut PartLook)>;
+
 /// The looks of the selected parts. What is changed is changed for all of them.
 fn looks(ui: &mut Ui, arrangement: &mut Arrangement, selected: &[u32], first: u32) {
     let look = arrangement.look(first);
@@ -75,7 +78,7 @@ fn looks(ui: &mut Ui, arrangement: &mut Arrangement, selected: &[u32], first: u3
         !same(|l| PartLook { color: l.color, ..PartLook::default() }),
         !same(|l| PartLook { style: l.style, ..PartLook::default() }),
     ];
-    let mut change: Option<Box<dyn Fn(&mut PartLook)>> = None;
+    let mut change: Option<Change> = None;
     let name = |ui: &mut Ui, text: &str, mixed: bool| {
         let label = ui.label(if mixed { RichText::new(text).italics() } else { RichText::new(text) });
         if mixed { label.on_hover_text("Not the same for all selected parts") } else { label }
