@@ -121,6 +121,30 @@ fn turned(camera: &Camera, pivot: DVec3, rotation: DMat3) -> Camera {
     }
 }
 
+/// Whether a camera can be looked through: finite, away from its focal point, upright, with an angle or height above 0.
+pub fn is_sound(camera: &Camera) -> bool {
+    let toward = camera.focal_point - camera.position;
+    let opening = match camera.projection {
+        Projection::Perspective { fov_y } => fov_y > 0.0 && fov_y < std::f64::consts::PI,
+        Projection::Orthographic { height } => height > 0.0 && height.is_finite(),
+    };
+    let finite = [camera.position, camera.focal_point, camera.view_up].iter().all(|v| v.is_finite());
+    let upright = camera.view_up.normalize_or_zero().cross(toward.normalize_or_zero()).length() > 1e-9;
+    finite && toward.length() > 0.0 && upright && opening
+}
+
+/// Turns about the vertical line through a pivot.
+pub fn spun(camera: &Camera, pivot: DVec3, degrees: f64) -> Camera {
+    // No product where nothing turns: the first picture is the one that is seen.
+    if degrees == 0.0 { *camera } else { turned(camera, pivot, DMat3::from_axis_angle(VERTICAL, degrees.to_radians())) }
+}
+
+/// The same view with a point in the middle of the picture.
+pub fn centred(camera: &Camera, point: DVec3) -> Camera {
+    let shift = point - camera.focal_point;
+    Camera { position: camera.position + shift, focal_point: point, ..*camera }
+}
+
 /// Turns about a pivot by a drag of `delta` pixels, horizon level.
 pub fn turntable(camera: &Camera, pivot: DVec3, frame: Frame, delta: DVec2) -> Camera {
     let degrees = delta * (DEGREES_ACROSS / frame.size.y.max(1.0));

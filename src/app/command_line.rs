@@ -7,6 +7,7 @@
 use glam::DVec3;
 
 use super::document::Document;
+use super::loader::{HARD_CASE, MADE_IN_MEMORY};
 use crate::math::views::VIEW_ANGLE;
 use crate::math::{Camera, Projection};
 use crate::scene::Arrangement;
@@ -21,6 +22,9 @@ pub fn of(document: &Document, size: [u32; 2]) -> Result<String, String> {
     let seen = &document.seen;
     if seen.arrangement != Arrangement::default() {
         return Err("Parts, sections and the exploded view have no options: save a session instead.".to_owned());
+    }
+    if document.file.starts_with(HARD_CASE) {
+        return Err(MADE_IN_MEMORY.to_owned());
     }
     let mut words = vec!["pellucid".to_owned(), "render".to_owned(), quoted(&document.file)];
     words.extend(["-o".to_owned(), "picture.png".to_owned()]);

@@ -3,11 +3,14 @@
 //! `$XDG_CONFIG_HOME/pellucid/window.toml`, or below `~/.config`. A file that cannot be read is replaced by the defaults with a
 //! message; it never keeps the window from opening.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::camera::Habits;
+use super::camera::{self, Habits};
+use super::loader::HARD_CASE;
+use crate::math::Camera;
 
 /// Recent files that are remembered.
 const MOST_RECENT: usize = 12;
@@ -41,8 +44,21 @@ pub struct Preferences {
     pub stages: bool,
     /// Whether the transfer-function editors are shown.
     pub editors: bool,
+    /// Whether the layers under the resting cursor are shown beside it.
+    pub hover: bool,
     /// Files, newest first.
     pub recent: Vec<String>,
+    /// Views that were saved, by file.
+    pub views: BTreeMap<String, Vec<SavedView>>,
+}
+
+/// A camera with a name.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SavedView {
+    /// What the user calls it.
+    pub name: String,
+    /// In the file's coordinates.
+    pub camera: Camera,
 }
 
 impl Default for Preferences {
@@ -54,7 +70,9 @@ impl Default for Preferences {
             parts: true,
             stages: true,
             editors: true,
+            hover: true,
             recent: Vec::new(),
+            views: BTreeMap::new(),
         }
     }
 }
@@ -62,14 +80,35 @@ impl Default for Preferences {
 impl Preferences {
     /// Puts a file at the top of the recent ones. Paths are made absolute, so that they can be found from elsewhere.
     pub fn remember(&mut self, file: &str) {
-        let name = if file.starts_with("builtin:") {
-            file.to_owned()
-        } else {
-            std::path::absolute(file).map_or_else(|_| file.to_owned(), |p| p.to_string_lossy().into_owned())
-        };
+        let name = known_as(file);
         self.recent.retain(|f| *f != name);
         self.recent.insert(0, name);
         self.recent.truncate(MOST_RECENT);
+    }
+
+    /// The views that were saved of a file.
+    pub fn views_of(&self, file: &str) -> &[SavedView] {
+        self.views.get(&known_as(file)).map_or(&[], Vec::as_slice)
+    }
+
+    /// Saves a view of a file, instead of one that has this name already.
+    pub fn save_view(&mut self, file: &str, view: SavedView) {
+        let views = self.views.entry(known_as(file)).or_default();
+        match views.iter_mut().find(|v| v.name == view.name) {
+            Some(old) => *old = view,
+            None => views.push(view),
+        }
+    }
+
+    /// Forgets a view of a file.
+    pub fn forget_view(&mut self, file: &str, name: &str) {
+        let key = known_as(file);
+        if let Some(views) = self.views.get_mut(&key) {
+            views.retain(|v| v.name != name);
+            if views.is_empty() {
+                self.views.remove(&key);
+            }
+        }
     }
 
     /// Reads a file; the defaults if there is none.
@@ -87,6 +126,10 @@ impl Preferences {
         if !(0.5..=3.0).contains(&read.scale) {
             read.scale = 1.0;
         }
+        for views in read.views.values_mut() {
+            views.retain(|v| camera::is_sound(&v.camera));
+        }
+        read.views.retain(|_, views| !views.is_empty());
         Ok(read)
     }
 
@@ -102,6 +145,14 @@ impl Preferences {
         let draft = path.with_extension(format!("{}.tmp", std::process::id()));
         std::fs::write(&draft, text).and_then(|()| std::fs::rename(&draft, path)).map_err(|e| failed(&e))
     }
+}
+
+/// What a file is remembered as: its absolute path, so that it is found from elsewhere; generated scenes by their name.
+fn known_as(file: &str) -> String {
+    if file.starts_with("builtin:") || file.starts_with(HARD_CASE) {
+        return file.to_owned();
+    }
+    std::path::absolute(file).map_or_else(|_| file.to_owned(), |p| p.to_string_lossy().into_owned())
 }
 
 /// Where preferences lie; `None` where the system names no folder for them.
@@ -128,6 +179,30 @@ mod tests {
         assert!(Preferences::read(&path).unwrap_err().contains("window.toml"));
         std::fs::write(&path, "scale = 1e9\nunknown = 3").unwrap();
         assert_eq!(Preferences::read(&path), Ok(Preferences::default()), "odd values and later versions are survived");
+    }
+
+    #[test]
+    fn views_are_kept_by_file_and_broken_ones_are_left_out() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("window.toml");
+        let camera = camera::first(&crate::scene::builtin::build("stack").unwrap().bounds(), 1.3);
+        let view = |name: &str, camera| SavedView { name: name.to_owned(), camera };
+        let mut preferences = Preferences::default();
+        preferences.remember("/b.glb");
+        preferences.save_view("/a.glb", view("side", camera));
+        preferences.save_view("/a.glb", view("flat", camera::other_projection(&camera)));
+        preferences.save_view("/a.glb", view("side", camera::spun(&camera, camera.focal_point, 30.0)));
+        assert_eq!(preferences.views_of("/a.glb").len(), 2);
+        preferences.write(&path).unwrap();
+        assert_eq!(Preferences::read(&path), Ok(preferences.clone()), "bit for bit");
+        let broken = Camera { position: camera.focal_point, ..camera };
+        let mut bad = preferences.clone();
+        bad.save_view("builtin:stack", view("broken", broken));
+        bad.write(&path).unwrap();
+        assert_eq!(Preferences::read(&path), Ok(preferences.clone()));
+        preferences.forget_view("/a.glb", "side");
+        preferences.forget_view("/a.glb", "flat");
+        assert!(preferences.views.is_empty());
     }
 
     #[test]

@@ -26,6 +26,8 @@ pub enum Choice {
     ImportTransfer,
     /// They are written to it.
     ExportTransfer,
+    /// Pictures of the export panel are written to it.
+    Export,
 }
 
 impl Choice {
@@ -37,6 +39,7 @@ impl Choice {
             Choice::SavePicture => "Save the picture",
             Choice::ImportTransfer => "Import transfer functions",
             Choice::ExportTransfer => "Export the transfer functions",
+            Choice::Export => "Write pictures",
         }
     }
 
@@ -44,7 +47,7 @@ impl Choice {
         match self {
             Choice::Open => "glb",
             Choice::SaveSession | Choice::ImportTransfer | Choice::ExportTransfer => "toml",
-            Choice::SavePicture => "png",
+            Choice::SavePicture | Choice::Export => "png",
         }
     }
 }
@@ -87,7 +90,7 @@ pub fn choose(choice: Choice, window: Option<&Window>, file: Option<&str>, done:
             let answer = dialog.add_filter("Transfer functions", &endings).pick_file();
             std::thread::Builder::new().name("dialog".to_owned()).spawn(move || finish(pollster::block_on(answer)))
         }
-        Choice::SaveSession | Choice::SavePicture | Choice::ExportTransfer => {
+        Choice::SaveSession | Choice::SavePicture | Choice::ExportTransfer | Choice::Export => {
             let answer = dialog.set_file_name(name).save_file();
             std::thread::Builder::new().name("dialog".to_owned()).spawn(move || finish(pollster::block_on(answer)))
         }
@@ -124,6 +127,10 @@ pub fn fulfil(workspace: &mut Workspace, choice: Choice, path: &str) {
             return;
         }
         Choice::ExportTransfer => editors::export(workspace, path).and_then(|bytes| write(Path::new(path), &bytes)),
+        Choice::Export => {
+            workspace.asks.push(Ask::Export(path.to_owned()));
+            return;
+        }
         Choice::SaveSession => {
             let folder = Path::new(path).parent().unwrap_or(Path::new(""));
             workspace.session(folder).and_then(|text| write(Path::new(path), text.as_bytes()))
@@ -146,7 +153,7 @@ fn picture(workspace: &Workspace) -> Result<Vec<u8>, String> {
 }
 
 /// Writes a file, whole or not at all.
-fn write(path: &Path, bytes: &[u8]) -> Result<(), String> {
+pub(super) fn write(path: &Path, bytes: &[u8]) -> Result<(), String> {
     let draft = path.with_extension(format!("{}.tmp", std::process::id()));
     std::fs::write(&draft, bytes).and_then(|()| std::fs::rename(&draft, path)).map_err(|e| {
         // It may never have come to be.

@@ -5,12 +5,20 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
+use super::camera;
 use crate::import::{self, ImportOptions};
-use crate::scene::{Scene, builtin};
-use crate::session::Session;
+use crate::scene::hard_case::{HardCase, Source};
+use crate::scene::{Arrangement, Scene, Section, builtin};
+use crate::session::{Session, camera_in_file};
+use crate::settings::Settings;
+use crate::tradeoff::hard_cases;
 
 /// In front of the name of a generated scene.
 const BUILTIN: &str = "builtin:";
+/// In front of the name of a hard case: its scene, camera and our settings.
+pub const HARD_CASE: &str = "hard-case:";
+/// What is said where a hard case's model would be needed as a file.
+pub const MADE_IN_MEMORY: &str = "The model of this hard case is made in memory: there is no file to name.";
 /// Bytes read between two looks at the flag.
 const PIECE: usize = 1 << 20;
 
@@ -20,6 +28,8 @@ pub struct Opened {
     pub scene: Scene,
     /// The session; its camera is in the file's coordinates.
     pub session: Option<Session>,
+    /// The hard case that it belongs to; the session is of it then.
+    pub case: Option<&'static HardCase>,
 }
 
 /// Largest session file that is read, bytes.
@@ -90,6 +100,9 @@ impl Drop for Loading {
 }
 
 fn load(file: &str, shared: &Shared, wake: &impl Fn()) -> Result<Opened, String> {
+    if let Some(name) = file.strip_prefix(HARD_CASE) {
+        return hard_case(name);
+    }
     let path = Path::new(file);
     if !file.starts_with(BUILTIN) && path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")) {
         let said = |e: &dyn std::error::Error| format!("{file}: {}", full(e));
@@ -100,9 +113,35 @@ fn load(file: &str, shared: &Shared, wake: &impl Fn()) -> Result<Opened, String>
         let session = Session::from_toml(&text).map_err(|e| said(&e))?.rebased(folder);
         let scene = load_scene(session.file(), shared, wake)?;
         let session = session.resolve(&scene).map_err(|e| said(&e))?;
-        return Ok(Opened { scene, session: Some(session) });
+        return Ok(Opened { scene, session: Some(session), case: None });
     }
-    Ok(Opened { scene: load_scene(file, shared, wake)?, session: None })
+    Ok(Opened { scene: load_scene(file, shared, wake)?, session: None, case: None })
+}
+
+/// A hard case as it is drawn by our method.
+fn hard_case(name: &str) -> Result<Opened, String> {
+    let (_, case) =
+        hard_cases::all().find(|(_, c)| c.name == name).ok_or_else(|| format!("no hard case is called '{name}'"))?;
+    let source = case.ours.scene.unwrap_or(case.scene);
+    let scene = hard_cases::scene_of(&source).map_err(|e| full(&e))?;
+    let mut arrangement = Arrangement::default();
+    if let Source::Cut(_, normal, offset) = source {
+        arrangement.sections.push(Section { normal, offset, enabled: true, caps: false });
+    }
+    let file = match source {
+        Source::Builtin(scene) | Source::Cut(scene, ..) => {
+            format!("{BUILTIN}{}", scene.strip_prefix(BUILTIN).unwrap_or(scene))
+        }
+        Source::ThroughFile(_) | Source::Bytes(_) => format!("{HARD_CASE}{name}"),
+    };
+    let settings = Settings::from_pairs(case.ours.settings).map_err(|e| full(&e))?;
+    let size = case.size.map(|n| n.max(1));
+    let camera = Some(case.camera.of(&scene.bounds(), case.size)).filter(camera::is_sound);
+    // A picture of no pixels, which is a case too, has no camera; a window has pixels.
+    let camera = camera.unwrap_or_else(|| camera::first(&scene.bounds(), 1.0));
+    let camera = camera_in_file(&camera, &scene);
+    let session = Session { file, size, camera, settings, arrangement };
+    Ok(Opened { scene, session: Some(session), case: Some(case) })
 }
 
 fn load_scene(file: &str, shared: &Shared, wake: &impl Fn()) -> Result<Scene, String> {
@@ -177,6 +216,17 @@ mod tests {
     }
 
     #[test]
+    fn every_hard_case_opens_with_a_camera_that_sees_it() {
+        for (_, case) in hard_cases::all() {
+            let opened = hard_case(case.name).unwrap_or_else(|e| panic!("{}: {e}", case.name));
+            let session = opened.session.unwrap();
+            assert_eq!(opened.case.map(|c| c.name), Some(case.name));
+            assert!(camera::is_sound(&session.camera), "{}: {:?}", case.name, session.camera);
+            assert_eq!(session.settings, Settings::from_pairs(case.ours.settings).unwrap());
+        }
+    }
+
+    #[test]
     fn scenes_come_and_errors_say_what_is_wrong() {
         let scene = wait(&Loading::begin("builtin:quads", || {})).unwrap().scene;
         assert!(!scene.parts.is_empty());
@@ -187,6 +237,7 @@ mod tests {
         std::fs::write(&session, "file = 3").unwrap();
         for (file, word) in [
             ("builtin:nothing", "nothing"),
+            ("hard-case:nothing", "nothing"),
             ("/no/such/file.glb", "/no/such/file.glb"),
             ("/etc/hostname", "hostname"),
             (broken.to_str().unwrap(), "broken"),

@@ -11,9 +11,11 @@
 //! | [`workspace`] | everything the window knows; [`panels`] show and change it |
 //! | [`document`] | model, what is seen of it, undo |
 //! | [`pictures`] | previews and exact pictures; [`viewport`] brings them to the screen pixel for pixel |
-//! | [`camera`] | gestures, as functions |
+//! | [`hand`] | the mouse on the picture; [`camera`] gestures, as functions |
+//! | [`picking`] | what becomes of layers under a pixel; [`measure`] distances between them |
 //! | [`editors`] | transfer functions under the hand; [`functions`] resolves them |
 //! | [`compare`] | two settings under a divider |
+//! | [`exports`] | pictures of any size and turntables into files |
 //! | [`loader`] | opening files; [`watch`] files that somebody edits |
 
 pub mod camera;
@@ -23,16 +25,23 @@ pub mod config;
 pub mod dialogs;
 pub mod document;
 pub mod editors;
+pub mod exports;
 pub mod functions;
+pub mod hand;
 pub mod keys;
 pub mod loader;
+pub mod measure;
 pub mod panels;
+pub mod picking;
 pub mod pictures;
 pub mod shell;
 pub mod surface;
 pub mod viewport;
 pub mod watch;
 pub mod workspace;
+
+#[cfg(test)]
+mod fuzz;
 
 pub use shell::run;
 

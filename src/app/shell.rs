@@ -3,7 +3,8 @@
 //! A frame is drawn when the window system, egui, or a thread has something to show, and at no other time. Movements of the
 //! mouse go straight to the camera and from there to the threads that draw, before any frame.
 
-mod mouse;
+mod asks;
+mod latency;
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -12,25 +13,22 @@ use std::time::{Duration, Instant};
 use egui::ViewportId;
 use glam::DVec2;
 use winit::application::ApplicationHandler;
-use winit::event::{ElementState, KeyEvent, WindowEvent};
+use winit::event::{ElementState, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
-use winit::keyboard::ModifiersState;
 use winit::window::{Window, WindowId};
 
 use super::AppError;
 use super::config::{self, Preferences};
 use super::dialogs::{self, Chosen};
-use super::keys;
+use super::exports::Exporting;
+use super::hand::Hand;
 use super::loader::{Loading, Phase};
 use super::panels::{self, style};
 use super::pictures::{Delivery, Kind, Pictures, supersedes};
 use super::surface::{Drawn, Surface};
 use super::watch::{Watch, Workshop};
-use super::workspace::{Ask, Gravity, LoadingView, Workspace};
-use mouse::Drag;
+use super::workspace::{Gravity, LoadingView, Workspace};
 
-/// Turning the wheel is one gesture until it rests so long.
-const WHEEL_RESTS: Duration = Duration::from_millis(300);
 /// Most that frames that follow the mouse are held back.
 const LONGEST_REST: Duration = Duration::from_millis(40);
 /// Devices that are opened again in a row before giving up.
@@ -86,6 +84,21 @@ struct Open {
     surface: Surface,
 }
 
+/// What stands for the program in lists of windows: the gearbox, drawn by itself (`scripts/icon`).
+fn icon() -> Option<winit::window::Icon> {
+    let image = image::load_from_memory(include_bytes!("../../assets/desktop/pellucid.png")).ok()?.into_rgba8();
+    let (width, height) = image.dimensions();
+    winit::window::Icon::from_rgba(image.into_raw(), width, height).ok()
+}
+
+/// The name by which a desktop finds the icon and the `.desktop` file.
+#[cfg(target_os = "linux")]
+fn named(attributes: winit::window::WindowAttributes) -> winit::window::WindowAttributes {
+    use winit::platform::{wayland, x11};
+    let attributes = wayland::WindowAttributesExtWayland::with_name(attributes, "pellucid", "");
+    x11::WindowAttributesExtX11::with_name(attributes, "pellucid", "Pellucid")
+}
+
 struct Shell {
     proxy: EventLoopProxy<Event>,
     context: egui::Context,
@@ -95,10 +108,10 @@ struct Shell {
     watch: Option<Watch>,
     loading: Option<Loading>,
     first_file: Option<String>,
-    held: ModifiersState,
-    cursor: DVec2,
-    drag: Option<Drag>,
-    wheel_at: Option<Instant>,
+    exporting: Option<Exporting>,
+    hand: Hand,
+    /// The order and the pixel for which layers beside the cursor were asked for last.
+    hovered: Option<(u64, [u32; 2])>,
     repaint_at: Option<Instant>,
     /// Frames that only follow the mouse take half of the time at most: on a software rasterizer they are drawn by the same
     /// processor as the pictures.
@@ -139,10 +152,9 @@ impl Shell {
             watch: None,
             loading: None,
             first_file: files.first().cloned(),
-            held: ModifiersState::empty(),
-            cursor: DVec2::ZERO,
-            drag: None,
-            wheel_at: None,
+            exporting: None,
+            hand: Hand::default(),
+            hovered: None,
             repaint_at: None,
             rest_until: Instant::now(),
             reopened: 0,
@@ -169,7 +181,10 @@ impl Shell {
             .with_title("Pellucid")
             .with_inner_size(winit::dpi::LogicalSize::new(1280.0, 800.0))
             .with_min_inner_size(winit::dpi::LogicalSize::new(320.0, 240.0))
+            .with_window_icon(icon())
             .with_visible(false);
+        #[cfg(target_os = "linux")]
+        let attributes = named(attributes);
         let window = Arc::new(event_loop.create_window(attributes).map_err(|e| AppError::Display(e.to_string()))?);
         let surface = Surface::new(event_loop, Arc::clone(&window))?;
         let mut egui = egui_winit::State::new(
@@ -200,7 +215,7 @@ impl Shell {
 
     /// Takes what threads have delivered; says whether anything is to be shown.
     fn collect(&mut self) -> bool {
-        let mut changed = false;
+        let mut changed = self.collect_export();
         if let Some(loading) = &self.loading {
             changed = true;
             if let Some(result) = loading.take() {
@@ -211,7 +226,7 @@ impl Shell {
                         self.workspace.open(file, opened);
                         self.inputs.clear();
                         self.undrawn.clear();
-                        self.drag = None;
+                        self.hand.let_go();
                         let name = self.workspace.document.as_ref().map_or("", |d| &d.file);
                         if let Some(open) = &self.open {
                             open.window.set_title(&format!("{name} – Pellucid"));
@@ -289,6 +304,9 @@ impl Shell {
         );
         if number != self.workspace.order {
             self.workspace.order = number;
+            // It is of another view.
+            self.workspace.hover = None;
+            pictures.stop_hovering();
             tracing::debug!("order {number}, viewport {:?}", self.workspace.viewport);
             self.workspace.refusal = None;
             self.inputs.push_back((number, self.now));
@@ -316,7 +334,7 @@ impl Shell {
         let workspace = &mut self.workspace;
         let output = self.context.run_ui(input, |ui| panels::show(ui, workspace));
         open.egui.handle_platform_output_with_event_loop(&open.window, event_loop, output.platform_output);
-        let wheel = self.wheel_at.is_some_and(|at| at.elapsed() < WHEEL_RESTS);
+        let wheel = self.hand.is_wheeling();
         let held = self.context.input(|i| i.pointer.any_down());
         if let Some(document) = &mut self.workspace.document
             && !held
@@ -358,35 +376,9 @@ impl Shell {
         }
         let asked = Instant::now().checked_add(delay).filter(|_| delay < Duration::from_secs(3600));
         // A frame at the end of turning the wheel makes a step of it.
-        let rested = self.wheel_at.map(|at| at + WHEEL_RESTS).filter(|at| *at > Instant::now());
+        let rested = self.hand.wheel_rests_at();
         self.repaint_at = [asked, rested].into_iter().flatten().min();
         self.fulfil(event_loop);
-    }
-
-    /// Logs how long inputs waited for the frame that has just been drawn.
-    fn note_latency(&mut self) {
-        let Some(screen) = &self.workspace.screen else {
-            return;
-        };
-        let ms = |came: Instant| came.elapsed().as_secs_f64() * 1e3;
-        // The picture is moved along with the camera, so the frame answers whatever only moves that.
-        let settings =
-            |d: &super::document::Document| d.seen.settings == screen.look.0 && d.seen.arrangement == screen.look.1;
-        let follows = self.workspace.document.as_ref().is_some_and(settings);
-        let up_to = if follows { self.workspace.order } else { screen.number };
-        while let Some(&(number, came)) = self.inputs.front()
-            && number <= up_to
-        {
-            self.inputs.pop_front();
-            let how = if number <= screen.number { screen.kind.name() } else { "moved" };
-            tracing::debug!("answered in {:.1} ms, input {number}, {how}", ms(came));
-        }
-        while let Some(&(number, came)) = self.undrawn.front()
-            && number <= screen.number
-        {
-            self.undrawn.pop_front();
-            tracing::debug!("drawn in {:.1} ms, input {number}, {} {}", ms(came), screen.kind.name(), screen.number);
-        }
     }
 
     /// Makes the window's device anew. What egui has drawn into textures is drawn again when their greatest size changes.
@@ -414,46 +406,6 @@ impl Shell {
                 event_loop.exit();
             }
         }
-    }
-
-    /// Does what panels and keys have asked for.
-    fn fulfil(&mut self, event_loop: &ActiveEventLoop) {
-        let asks = std::mem::take(&mut self.workspace.asks);
-        let redraw = !asks.is_empty();
-        for ask in asks {
-            match ask {
-                Ask::Open(file) => self.load(&file),
-                Ask::CancelLoading => self.loading = None,
-                Ask::Copy(text) => self.context.copy_text(text),
-                Ask::Remember => {
-                    if let Some(path) = config::path()
-                        && let Err(reason) = self.workspace.preferences.write(&path)
-                    {
-                        self.workspace.say(Gravity::Error, format!("The preferences cannot be written: {reason}"));
-                    }
-                }
-                Ask::Quit => self.quit = true,
-                Ask::Choose(choice) => {
-                    let proxy = self.proxy.clone();
-                    let window = self.open.as_ref().map(|o| Arc::clone(&o.window));
-                    let file = self.workspace.document.as_ref().map(|d| d.file.clone());
-                    dialogs::choose(choice, window.as_deref(), file.as_deref(), move |chosen| {
-                        let _ = proxy.send_event(Event::Chosen(chosen));
-                    });
-                }
-                Ask::Use(choice, path) => dialogs::fulfil(&mut self.workspace, choice, &path),
-            }
-        }
-        if self.quit {
-            event_loop.exit();
-        } else if redraw {
-            self.redraw();
-        }
-    }
-
-    fn key(&mut self, event: &KeyEvent) -> bool {
-        let typing = self.context.text_edit_focused();
-        event.state == ElementState::Pressed && keys::press(&mut self.workspace, event, self.held, typing)
     }
 }
 
@@ -515,15 +467,33 @@ impl ApplicationHandler<Event> for Shell {
                 redraw = true;
             }
             WindowEvent::ModifiersChanged(held) => {
-                self.held = held.state();
+                self.hold(held.state());
                 redraw = false;
             }
             WindowEvent::CursorMoved { position, .. } => {
-                self.cursor = DVec2::new(position.x, position.y);
-                self.moved();
+                self.hand.cursor = DVec2::new(position.x, position.y);
+                let over = self.over_picture();
+                if self.hand.moved(&mut self.workspace, self.hand.cursor, over) {
+                    self.order();
+                }
+                self.fulfil(event_loop);
             }
-            WindowEvent::MouseInput { state: ElementState::Pressed, button, .. } => self.pressed(button),
-            WindowEvent::MouseInput { state: ElementState::Released, button, .. } => self.released(button),
+            WindowEvent::CursorLeft { .. } => {
+                self.hand.moved(&mut self.workspace, self.hand.cursor, false);
+                self.fulfil(event_loop);
+            }
+            WindowEvent::MouseInput { state, button, .. } => {
+                if let Some(button) = asks::known(button) {
+                    if state == ElementState::Pressed {
+                        let over = self.over_picture();
+                        self.hand.pressed(&mut self.workspace, button, over);
+                    } else {
+                        self.hand.released(&mut self.workspace, button);
+                    }
+                    self.fulfil(event_loop);
+                    redraw = true;
+                }
+            }
             WindowEvent::MouseWheel { delta, .. } if self.over_picture() => {
                 self.wheel(delta);
             }
@@ -534,9 +504,9 @@ impl ApplicationHandler<Event> for Shell {
             WindowEvent::DroppedFile(path) => self.load(&path.to_string_lossy()),
             WindowEvent::Focused(false) => {
                 // A button let go elsewhere is not heard of.
-                if let Some(drag) = &self.drag {
-                    let button = drag.button;
-                    self.released(button);
+                self.hand.let_go();
+                if let Some(document) = &mut self.workspace.document {
+                    document.end_gesture();
                 }
             }
             _ => {}
@@ -553,7 +523,8 @@ impl ApplicationHandler<Event> for Shell {
             self.repaint_at = None;
             self.redraw();
         }
-        event_loop.set_control_flow(self.repaint_at.map_or(ControlFlow::Wait, ControlFlow::WaitUntil));
+        let next = [self.repaint_at, self.hover()].into_iter().flatten().min();
+        event_loop.set_control_flow(next.map_or(ControlFlow::Wait, ControlFlow::WaitUntil));
     }
 
     fn exiting(&mut self, _: &ActiveEventLoop) {

@@ -14,9 +14,10 @@ use super::dialogs::Choice;
 use super::document::{Document, Seen};
 use super::editors;
 use super::functions::{Functions, Resolved};
-use super::loader::Opened;
+use super::loader::{HARD_CASE, MADE_IN_MEMORY, Opened};
+use super::measure::Measure;
 use super::panels::parts::Tree;
-use super::pictures::{Counted, Extras, Kind, Picked, Picture};
+use super::pictures::{Counted, Extras, Kind, Picked, Picture, Wish};
 use super::viewport::Shown;
 use super::watch::{Changed, ShaderTexts};
 use crate::math::Camera;
@@ -40,6 +41,14 @@ pub enum Ask {
     CancelLoading,
     /// Put text on the clipboard.
     Copy(String),
+    /// Find the layers under a pixel of the picture.
+    Pick([u32; 2], Wish),
+    /// Draw a frame.
+    Redraw,
+    /// Write what the export panel says into this file.
+    Export(String),
+    /// Stop writing pictures.
+    CancelExport,
     /// Write the preferences.
     Remember,
     /// Close the window.
@@ -138,6 +147,12 @@ pub struct Layout {
     pub search: String,
     /// The tree of parts, laid out for the scene at hand.
     pub tree: Option<Tree>,
+    /// Layers to choose from, where a list of them was asked for.
+    pub stack: Option<Picked>,
+    /// The name of a view that is to be saved.
+    pub naming: Option<String>,
+    /// What is to be written as pictures, while that is asked for.
+    pub export: Option<super::exports::Form>,
     /// A setting's text while it is typed: its path and the text.
     pub typing: Option<(String, String)>,
     /// What is selected in the transfer-function editors.
@@ -193,6 +208,14 @@ pub struct Workspace {
     pub shaders: Arc<ShaderTexts>,
     /// Settings that the present ones are compared with.
     pub compare: Option<Compare>,
+    /// What is under the resting cursor.
+    pub hover: Option<Picked>,
+    /// What is measured.
+    pub measure: Measure,
+    /// Pictures that are being written: how many are done, of how many.
+    pub exporting: Option<(u32, u32)>,
+    /// The settings from before a hard case was opened, which has its own.
+    settings_before_case: Option<Settings>,
     /// What the panels keep.
     pub layout: Layout,
     /// What the shell has to do.
@@ -223,6 +246,10 @@ impl Workspace {
             counts: None,
             shaders: Arc::default(),
             compare: None,
+            hover: None,
+            measure: Measure::default(),
+            exporting: None,
+            settings_before_case: None,
             layout: Layout::default(),
             asks: Vec::new(),
         }
@@ -246,8 +273,12 @@ impl Workspace {
 
     /// Shows another model: as its session says, or as first seen, with the settings that are there.
     pub fn open(&mut self, file: String, opened: Opened) {
-        let Opened { scene, session } = opened;
-        let settings = self.document.take().map_or_else(Settings::default, |d| d.seen.settings);
+        let Opened { scene, session, case } = opened;
+        let present = self.document.take().map_or_else(Settings::default, |d| d.seen.settings);
+        let settings = self.settings_before_case.take().unwrap_or(present);
+        if case.is_some() {
+            self.settings_before_case = Some(settings.clone());
+        }
         let aspect = self.viewport.frame().aspect();
         let remembered = file.clone();
         let (file, seen) = match session {
@@ -265,8 +296,13 @@ impl Workspace {
         if !notices.is_empty() {
             self.say(Gravity::Notice, notices.join("\n"));
         }
-        self.preferences.remember(&remembered);
-        self.asks.push(Ask::Remember);
+        match case {
+            Some(case) => self.say(Gravity::Note, format!("{}: {}", case.name, case.why)),
+            None => {
+                self.preferences.remember(&remembered);
+                self.asks.push(Ask::Remember);
+            }
+        }
         self.document = Some(Document::new(file, Arc::new(scene), seen));
         self.scene_number += 1;
         self.screen = None;
@@ -274,56 +310,10 @@ impl Workspace {
         self.refusal = None;
         self.pivot = None;
         self.picked = None;
-    }
-
-    /// Takes what is under a pixel, and chooses the nearest layer.
-    pub fn take_picked(&mut self, picked: Picked) {
-        if picked.layers.is_empty() {
-            self.picked = None;
-            self.pivot = None;
-            if let Some(document) = &mut self.document {
-                document.settle();
-                document.seen.arrangement.selected.clear();
-                document.settle();
-            }
-            return;
-        }
-        self.picked = Some((picked, 0));
-        self.choose_layer(0, false);
-    }
-
-    /// Chooses the next layer under this pixel if that is where was clicked before, from the same view.
-    pub fn pick_next(&mut self, pixel: [u32; 2], more: bool) -> bool {
-        let camera = self.document.as_ref().map(|d| d.seen.camera);
-        let Some((picked, at)) = &self.picked else {
-            return false;
-        };
-        let near = picked.pixel.iter().zip(pixel).all(|(a, b)| a.abs_diff(b) <= 2);
-        if !near || Some(picked.of) != camera {
-            return false;
-        }
-        let next = (at + 1) % picked.layers.len();
-        self.choose_layer(next, more);
-        true
-    }
-
-    /// Selects the part of a layer under the last click, and turns about the place from then on.
-    pub fn choose_layer(&mut self, layer: usize, more: bool) {
-        let (Some((picked, at)), Some(document)) = (&mut self.picked, &mut self.document) else {
-            return;
-        };
-        let Some(found) = picked.layers.get(layer) else {
-            return;
-        };
-        *at = layer;
-        self.pivot = Some(found.position);
-        document.settle();
-        let selected = &mut document.seen.arrangement.selected;
-        if !more {
-            selected.clear();
-        }
-        selected.insert(found.part);
-        document.settle();
+        self.hover = None;
+        self.measure.ends.clear();
+        self.layout.stack = None;
+        self.layout.naming = None;
     }
 
     /// Everything seen, as a file that `pellucid render --session` draws.
@@ -333,6 +323,9 @@ impl Workspace {
     pub fn session(&self, folder: &std::path::Path) -> Result<String, String> {
         let document = self.document.as_ref().ok_or("there is no model")?;
         let seen = &document.seen;
+        if document.file.starts_with(HARD_CASE) {
+            return Err(MADE_IN_MEMORY.to_owned());
+        }
         let session = Session {
             file: document.file.clone(),
             size: self.viewport.size,

@@ -9,40 +9,12 @@ use clap::builder::PossibleValuesParser;
 use super::failure::{Exit, Failure};
 use super::transfer::{failure, say};
 use crate::export::image::parse_background;
+use crate::settings::looks::{self, LookError};
 use crate::settings::{CaptureKind, OpacityModel, Settings};
 use crate::transfer::{self, TransferSource, place_of};
 
 /// Largest settings file that is read, bytes.
 const LARGEST_SETTINGS: u64 = 1 << 20;
-
-/// A preset that is more than a transfer function.
-pub struct Look {
-    /// Its name.
-    pub name: &'static str,
-    /// What it is for.
-    pub description: &'static str,
-    /// What it sets, as a settings file.
-    toml: &'static str,
-}
-
-/// Presets of the program itself. The transfer functions are presets too.
-pub const LOOKS: &[Look] = &[
-    Look {
-        name: "plain",
-        description: "Plain transparency: every layer 0.3 opaque, exactly sorted. Needs no curvature.",
-        toml: "opacity = { model = 'constant', constant = 0.3 }",
-    },
-    Look { name: "opaque", description: "Only what is in front.", toml: "opacity = { model = 'opaque' }" },
-    Look {
-        name: "paper",
-        description: "Murray 2016 as printed: 16 layers under 32-bit keys, depth's curvature over the next pixels, \
-                      figures 6(a) and 7(a).",
-        toml: "
-            capture = { kind = 'bucketed_k_buffer', normals = 'xy15', bucketed_k_buffer = { k = 16, key = 'packed32' } }
-            features.curvature = { kind = 'view_centred', radius = 0.0, crease_angle = 180.0, line_width = 0.0 }
-            opacity = { model = 'curvature', transfer = 'murray-6a-7a' }",
-    },
-];
 
 /// Options for the look. A settings file counts first, then a preset, then single options, then `--set` in order.
 #[derive(Args, Clone, Debug, Default)]
@@ -152,18 +124,10 @@ fn read_settings(path: &Path) -> Result<Settings, Failure> {
 }
 
 fn apply_preset(settings: &mut Settings, name: &str) -> Result<(), Failure> {
-    if let Some(look) = LOOKS.iter().find(|l| l.name == name) {
-        let table = toml::from_str(look.toml).map_err(|e| Failure::of(Exit::General, &e))?;
-        return settings.merge(&table).map_err(|e| Failure::about(Exit::General, name, &e));
-    }
-    let names = transfer::names();
-    if !names.contains(&name) {
-        let all: Vec<&str> = LOOKS.iter().map(|l| l.name).chain(names).collect();
-        return Err(Failure::new(Exit::Usage, format!("no preset is called '{name}'; there are {}", all.join(", "))));
-    }
-    settings.opacity.model = OpacityModel::Curvature;
-    settings.opacity.transfer = TransferSource::Named(name.to_owned());
-    Ok(())
+    looks::apply(settings, name).map_err(|e| {
+        let exit = if matches!(e, LookError::Unknown { .. }) { Exit::Usage } else { Exit::General };
+        Failure::of(exit, &e)
+    })
 }
 
 /// Refuses a broken transfer function before any work is done, where it is used, and says what reading it changed.
@@ -196,7 +160,7 @@ mod tests {
 
     #[test]
     fn every_preset_applies() {
-        for name in LOOKS.iter().map(|l| l.name).chain(transfer::names()) {
+        for (name, _) in looks::presets() {
             LookArgs { preset: Some(name.to_owned()), ..look() }.settings().unwrap_or_else(|e| panic!("{e:?}"));
         }
         let paper = LookArgs { preset: Some("paper".to_owned()), ..look() }.settings().unwrap();

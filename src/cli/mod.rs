@@ -36,7 +36,7 @@ use crate::session::camera_in_scene;
 use crate::settings::{OpacityModel, Settings};
 use crate::tradeoff::budget::{Choice, Goal, Verdict};
 use crate::tradeoff::image_error::resized;
-use crate::transfer::{OpacityFunction, TransferSource, presets as transfer_presets};
+use crate::transfer::{OpacityFunction, TransferSource};
 pub use failure::{Exit, Failure};
 use options::{Cli, Command, PlanArgs, RenderArgs};
 use output::Progress;
@@ -322,9 +322,7 @@ fn settings(as_toml: bool) -> Result<String, Failure> {
 }
 
 fn presets() -> String {
-    let looks = looks::LOOKS.iter().map(|l| (l.name, l.description));
-    let functions = transfer_presets().into_iter().map(|p| (p.name, p.description));
-    looks.chain(functions).map(|(name, what)| format!("{name:14} {what}\n")).collect()
+    crate::settings::looks::presets().map(|(name, what)| format!("{name:14} {what}\n")).collect()
 }
 
 fn scenes() -> String {

@@ -7,6 +7,7 @@
 
 mod axis;
 mod declare;
+pub mod looks;
 
 use serde::{Deserialize, Serialize};
 

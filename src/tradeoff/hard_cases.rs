@@ -18,7 +18,7 @@ use crate::render::{RenderError, Renderer};
 use crate::scene::hard_case::{Contrast, HardCase, Method};
 use crate::{export, import, settings};
 
-pub use shot::{Shot, changed_module};
+pub use shot::{Shot, changed_module, scene_of};
 pub use table::{figure_text, markdown, text};
 
 /// The cases of one technique.

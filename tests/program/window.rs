@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use super::support::gpu;
+use super::support::{full, gpu, repository};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_pellucid");
 
@@ -43,7 +43,7 @@ fn tools_are_there() -> bool {
 }
 
 impl Desk {
-    fn open(file: &str) -> Desk {
+    fn open(files: &[&str]) -> Desk {
         let folder = tempfile::tempdir().unwrap();
         let mut server = Command::new("Xvfb")
             .args(["-displayfd", "1", "-screen", "0", "1280x800x24", "-nolisten", "tcp"])
@@ -56,7 +56,7 @@ impl Desk {
         let display = format!(":{}", number.trim());
         let log = std::fs::File::create(folder.path().join("log")).unwrap();
         let window = Command::new(PROGRAM)
-            .arg(file)
+            .args(files)
             .current_dir(folder.path())
             .env("DISPLAY", &display)
             .env_remove("WAYLAND_DISPLAY")
@@ -130,8 +130,24 @@ fn rgb(path: &Path) -> image::RgbImage {
     image::open(path).unwrap().into_rgb8()
 }
 
+/// A generator of numbers that is the same everywhere.
+struct Numbers(u64);
+
+impl Numbers {
+    fn below(&mut self, n: u32) -> u32 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        ((self.0 >> 33) % u64::from(n.max(1))) as u32
+    }
+
+    fn of<'a>(&mut self, words: &[&'a str]) -> &'a str {
+        words[self.below(words.len() as u32) as usize]
+    }
+}
+
 /// What is seen, saved as a session and rendered by the command line, is the screenshot of the viewport bit for bit.
 fn compare(desk: &Desk, step: &str) {
+    // What lies under a resting cursor would be listed over the picture.
+    desk.xdotool("mousemove 640 796");
     desk.settle();
     let session = desk.path(&format!("{step}.toml"));
     desk.xdotool("key ctrl+s");
@@ -166,7 +182,7 @@ fn the_window_shows_what_the_command_line_draws() {
     if !tools_are_there() || gpu("the window").is_none() {
         return;
     }
-    let desk = Desk::open("builtin:gearbox");
+    let desk = Desk::open(&["builtin:gearbox"]);
     desk.settle();
     desk.xdotool("search --name Pellucid windowfocus");
     compare(&desk, "first");
@@ -189,6 +205,8 @@ fn the_window_shows_what_the_command_line_draws() {
         std::thread::sleep(Duration::from_millis(500));
         desk.xdotool("click 1");
     }
+    // What is under the cursor is looked up while it rests, and never while a picture is drawn.
+    desk.settle();
     compare(&desk, "picked");
     assert!(std::fs::read_to_string(desk.path("picked.toml")).unwrap().contains("selected = ["));
 
@@ -211,6 +229,89 @@ fn the_window_shows_what_the_command_line_draws() {
     let status = desk.window.0.wait().unwrap();
     assert!(status.success(), "{}", desk.log());
     assert!(!desk.log().contains("ERROR"), "{}", desk.log());
+}
+
+/// Real events, as they come: 100 by default, 2 000 in all with `PELLUCID_TEST_FULL`.
+#[test]
+fn random_events_break_nothing() {
+    if !tools_are_there() || gpu("random events in the window").is_none() {
+        return;
+    }
+    let (seed, count) = (11, if full() { 2000 } else { 100 });
+    let mut desk = Desk::open(&["builtin:stack"]);
+    desk.settle();
+    desk.xdotool("search --name Pellucid windowfocus");
+    let broken = desk.path("broken.glb");
+    std::fs::write(&broken, b"glTF and nothing else").unwrap();
+    let mut numbers = Numbers(seed);
+    let mut done = Vec::new();
+    for n in 0..count {
+        let (x, y) = (numbers.below(1280), numbers.below(800));
+        let (x1, y1) = (numbers.below(1280), numbers.below(800));
+        let words = match numbers.below(12) {
+            0..=2 => format!("mousemove {x} {y} click {}", 1 + numbers.below(3)),
+            3..=4 => {
+                let button = 1 + numbers.below(3);
+                format!("mousemove {x} {y} mousedown {button} mousemove {x1} {y1} mouseup {button}")
+            }
+            5 => format!("mousemove {x} {y} click --repeat 3 {}", 4 + numbers.below(2)),
+            // No quitting, and no text that a dialog would write files under.
+            6..=8 => {
+                let keys = ["f", "c", "i", "g", "h", "H", "m", "v", "l", "1", "3", "5", "7", "9", "F1", "Home", "Tab"];
+                format!("key {}", numbers.of(&keys))
+            }
+            9 => {
+                format!("key {}", numbers.of(&["ctrl+z", "ctrl+shift+z", "ctrl+d", "ctrl+shift+p", "Escape", "Return"]))
+            }
+            10 => {
+                // Without a window manager the window takes any size it is given.
+                let size = numbers.of(&["1 1", "320 240", "1280 800", "700 799", "900 20", "3000 200"]);
+                format!("search --name Pellucid windowsize {size}")
+            }
+            _ => {
+                // A file that is not one, through the line that stands in for the dialog.
+                desk.xdotool("key ctrl+o");
+                std::thread::sleep(Duration::from_millis(900));
+                desk.xdotool("key ctrl+a");
+                desk.xdotool(&format!("type --delay 5 {}", broken.display()));
+                "key Return".to_owned()
+            }
+        };
+        desk.xdotool(&words);
+        done.push(words);
+        let tail = || done[done.len().saturating_sub(8)..].join("\n");
+        let ended = desk.window.0.try_wait().unwrap();
+        assert!(ended.is_none(), "seed {seed}, event {n}: {ended:?} after\n{}\n{}", tail(), desk.log());
+    }
+    desk.xdotool("search --name Pellucid windowsize 1280 800");
+    desk.xdotool("key Escape");
+    std::thread::sleep(Duration::from_secs(2));
+    let log = desk.log();
+    let faults = ["panicked", "Validation", "the window's device", "the device failed", "validation error"];
+    let found: Vec<&str> = log.lines().filter(|l| faults.iter().any(|f| l.contains(f))).collect();
+    assert!(found.is_empty(), "seed {seed}: {found:?}\nafter\n{}", done.join("\n"));
+    // It still answers: a frame is drawn for what is asked of it.
+    let frames = desk.frames();
+    desk.xdotool("key F1");
+    desk.wait("a frame", |desk| desk.frames() > frames);
+}
+
+/// What a desktop is given says what the program takes, and the icon is one.
+#[test]
+fn the_desktop_files_fit_the_program() {
+    let folder = repository().join("assets/desktop");
+    let read = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
+    let (entry, types) = (read("pellucid.desktop"), read("pellucid.xml"));
+    let line = |key: &str| entry.lines().find_map(|l| l.strip_prefix(key)).unwrap_or_else(|| panic!("{key}"));
+    assert_eq!((line("Exec="), line("Icon=")), ("pellucid %F", "pellucid"));
+    let document = roxmltree::Document::parse(&types).unwrap();
+    let types = document.descendants().filter(|n| n.tag_name().name() == "mime-type");
+    let declared: Vec<&str> = types.filter_map(|n| n.attribute("type")).collect();
+    let named: Vec<&str> = line("MimeType=").split(';').filter(|t| !t.is_empty()).collect();
+    assert_eq!(declared, named);
+    let icon = image::open(folder.join("pellucid.png")).unwrap().into_rgba8();
+    assert_eq!(icon.dimensions(), (256, 256));
+    assert!(icon.get_pixel(0, 0)[3] == 0 && icon.pixels().any(|p| p[3] == 255));
 }
 
 #[test]

@@ -3,11 +3,15 @@
 use egui::{Button, MenuBar, Ui};
 
 use crate::app::camera::{self, Habits};
+use crate::app::command_line;
 use crate::app::config::Theme;
 use crate::app::dialogs::Choice;
+use crate::app::loader::HARD_CASE;
+use crate::app::panels::{export, selection, style, views};
 use crate::app::workspace::{Ask, Gravity, Workspace};
-use crate::app::{command_line, panels::style};
-use crate::scene::builtin;
+use crate::scene::{Presence, builtin};
+use crate::settings::looks;
+use crate::tradeoff::hard_cases;
 
 /// Sizes of the interface that are offered.
 const SCALES: [f32; 6] = [0.8, 0.9, 1.0, 1.25, 1.5, 2.0];
@@ -18,6 +22,8 @@ pub fn show(ui: &mut Ui, workspace: &mut Workspace) {
         ui.menu_button("File", |ui| file(ui, workspace));
         ui.menu_button("Edit", |ui| edit(ui, workspace));
         ui.menu_button("View", |ui| view(ui, workspace));
+        ui.menu_button("Parts", |ui| parts(ui, workspace));
+        ui.menu_button("Look", |ui| look(ui, workspace));
         ui.menu_button("Help", |ui| {
             if item(ui, "Keyboard and mouse", "F1") {
                 workspace.layout.shortcuts = true;
@@ -60,6 +66,15 @@ fn file(ui: &mut Ui, workspace: &mut Workspace) {
             }
         });
     });
+    ui.menu_button("Hard cases", |ui| {
+        egui::ScrollArea::vertical().max_height(420.0).show(ui, |ui| {
+            for (_, case) in hard_cases::all() {
+                if ui.button(case.name).on_hover_text(case.why).clicked() {
+                    workspace.asks.push(Ask::Open(format!("{HARD_CASE}{}", case.name)));
+                }
+            }
+        });
+    });
     ui.separator();
     let open = workspace.document.is_some();
     ui.add_enabled_ui(open, |ui| {
@@ -68,6 +83,9 @@ fn file(ui: &mut Ui, workspace: &mut Workspace) {
         }
         if item(ui, "Save picture…", "Ctrl+P") {
             workspace.asks.push(Ask::Choose(Choice::SavePicture));
+        }
+        if item(ui, "Write pictures…", "Ctrl+Shift+P") {
+            export::ask(workspace);
         }
         if item(ui, "Copy as command line", "Ctrl+Shift+C") {
             copy_command_line(workspace);
@@ -111,6 +129,53 @@ fn edit(ui: &mut Ui, workspace: &mut Workspace) {
     });
 }
 
+/// What can be done with parts.
+fn parts(ui: &mut Ui, workspace: &mut Workspace) {
+    let some = workspace.document.as_ref().is_some_and(|d| !d.seen.arrangement.selected.is_empty());
+    ui.add_enabled_ui(some, |ui| {
+        if item(ui, "Isolate selection", "I") {
+            selection::isolate(workspace);
+        }
+        if item(ui, "Ghost selection", "G") {
+            selection::set_presence(workspace, Presence::Ghosted);
+        }
+        if item(ui, "Hide selection", "H") {
+            selection::set_presence(workspace, Presence::Hidden);
+        }
+    });
+    ui.add_enabled_ui(workspace.document.is_some(), |ui| {
+        if item(ui, "Show every part", "Shift+H") {
+            selection::show_all(workspace);
+        }
+        ui.separator();
+        if ui.add(Button::selectable(workspace.measure.on, "Measure").shortcut_text("M")).clicked() {
+            workspace.measure.on = !workspace.measure.on;
+        }
+    });
+}
+
+/// Presets: looks, then transfer functions.
+fn look(ui: &mut Ui, workspace: &mut Workspace) {
+    let Some(document) = &mut workspace.document else {
+        ui.weak("No model");
+        return;
+    };
+    let mut failed = None;
+    for (i, (name, description)) in looks::presets().enumerate() {
+        if i == looks::LOOKS.len() {
+            ui.separator();
+        }
+        if ui.button(name).on_hover_text(description).clicked()
+            && let Err(e) = looks::apply(&mut document.seen.settings, name)
+        {
+            failed = Some(e.to_string());
+        }
+    }
+    if let Some(reason) = failed {
+        workspace.say(Gravity::Error, reason);
+    }
+}
+
 fn view(ui: &mut Ui, workspace: &mut Workspace) {
     ui.add_enabled_ui(workspace.document.is_some(), |ui| {
         for (name, text, keys) in
@@ -124,7 +189,17 @@ fn view(ui: &mut Ui, workspace: &mut Workspace) {
             workspace.look(|_, _, c| Some(camera::other_projection(c)));
         }
         if item(ui, "Show everything", "Home") {
-            workspace.look(|f, s, c| Some(camera::framed(c, &s.bounds(), f.aspect())));
+            selection::frame_all(workspace);
+        }
+        if item(ui, "Show the selection", "F") {
+            selection::frame_selected(workspace);
+        }
+        if item(ui, "Middle where it turns", "C") {
+            selection::centre_pivot(workspace);
+        }
+        ui.menu_button("Saved views", |ui| views::menu(ui, workspace));
+        if item(ui, "Save this view…", "Ctrl+D") {
+            views::ask(workspace);
         }
     });
     ui.separator();
@@ -133,6 +208,7 @@ fn view(ui: &mut Ui, workspace: &mut Workspace) {
     ui.checkbox(&mut preferences.parts, "Parts");
     ui.checkbox(&mut preferences.stages, "Stages");
     ui.checkbox(&mut preferences.editors, "Transfer functions");
+    ui.checkbox(&mut preferences.hover, "Parts under the cursor");
     ui.menu_button("Theme", |ui| {
         for (theme, name) in [(Theme::System, "As the desktop"), (Theme::Dark, "Dark"), (Theme::Light, "Light")] {
             ui.radio_value(&mut preferences.theme, theme, name);

@@ -69,7 +69,7 @@ pub fn prompt(ui: &mut Ui, workspace: &mut Workspace) {
             let word = match prompt.choice {
                 Choice::Open => "Open",
                 Choice::ImportTransfer => "Import",
-                Choice::ExportTransfer => "Export",
+                Choice::ExportTransfer | Choice::Export => "Export",
                 Choice::SaveSession | Choice::SavePicture => "Save",
             };
             done = ui.button(word).clicked() || entered;
@@ -134,9 +134,10 @@ fn color(ui: &Ui, gravity: Gravity) -> Color32 {
 }
 
 /// A small plate on the picture.
-fn over(ui: &mut Ui, id: &str, place: Align2, picture: Rect, contents: impl FnOnce(&mut Ui)) {
+pub(super) fn over(ui: &mut Ui, id: &str, place: Align2, picture: Rect, contents: impl FnOnce(&mut Ui)) {
     let offset = match place {
         Align2::LEFT_BOTTOM => vec2(10.0, -10.0),
+        Align2::CENTER_TOP => vec2(0.0, 10.0),
         _ => vec2(0.0, 0.0),
     };
     let at = place.pos_in_rect(&picture) + offset;

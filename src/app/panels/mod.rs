@@ -1,16 +1,21 @@
 //! What stands around the picture, one function a panel. All of them work on the [`Workspace`] alone.
 
+pub mod export;
+pub mod measure;
 pub mod menu;
 pub mod messages;
 pub mod parts;
 pub mod plan;
 pub mod sections;
+pub mod selection;
 pub mod shortcuts;
+pub mod stack;
 pub mod stages;
 pub mod status;
 pub mod style;
 #[cfg(test)]
 mod tests;
+pub mod views;
 
 use egui::{CentralPanel, Frame, Panel, Pos2, Rect, Sense, Ui};
 
@@ -36,10 +41,11 @@ pub fn show(ui: &mut Ui, workspace: &mut Workspace) {
         });
     }
     if workspace.preferences.parts {
-        Panel::left("parts").default_size(220.0).size_range(140.0..=520.0).show(ui, |ui| parts::show(ui, workspace));
+        Panel::left("parts").default_size(244.0).size_range(140.0..=520.0).show(ui, |ui| parts::show(ui, workspace));
     }
     CentralPanel::default().frame(Frame::NONE).show(ui, |ui| picture(ui, workspace));
     messages::prompt(ui, workspace);
+    views::show(ui, workspace);
     shortcuts::show(ui, workspace);
 }
 
@@ -69,5 +75,9 @@ fn picture(ui: &mut Ui, workspace: &mut Workspace) {
             ui.painter().rect_filled(rect, 0.0, style::behind_the_picture(ui.visuals().dark_mode));
         }
     }
+    measure::overlay(ui, rect, workspace);
     messages::show(ui, rect, workspace);
+    export::show(ui, rect, workspace);
+    measure::show(ui, rect, workspace);
+    stack::show(ui, rect, workspace);
 }

@@ -8,9 +8,8 @@ use std::ops::Range;
 
 use egui::{Button, RichText, ScrollArea, TextEdit, Ui, vec2};
 
-use crate::app::camera;
+use crate::app::panels::selection;
 use crate::app::workspace::Workspace;
-use crate::math::Bounds;
 use crate::scene::{Arrangement, PartLook, Presence, Scene};
 
 /// A node of the tree that has parts at or below it.
@@ -115,6 +114,9 @@ enum Act {
 pub fn show(ui: &mut Ui, workspace: &mut Workspace) {
     // Else the panel shrinks to what is in it.
     ui.take_available_width();
+    if workspace.document.is_some() {
+        egui::Panel::bottom("selection").frame(egui::Frame::NONE).show(ui, |ui| selection::show(ui, workspace));
+    }
     let Some(document) = &workspace.document else {
         ui.weak("No parts.");
         return;
@@ -327,7 +329,6 @@ fn presence_of(arrangement: &Arrangement, parts: &Range<u32>) -> Option<Presence
 }
 
 fn apply(workspace: &mut Workspace, act: Act) {
-    let aspect = workspace.viewport.frame().aspect();
     let Some(document) = &mut workspace.document else {
         return;
     };
@@ -358,11 +359,7 @@ fn apply(workspace: &mut Workspace, act: Act) {
             let kept: BTreeSet<u32> = parts.collect();
             arrangement.isolate(&kept, document.scene.parts.len() as u32);
         }
-        Act::Frame(parts) => {
-            let bounds = parts.fold(Bounds::EMPTY, |b, p| b.union(document.scene.parts[p as usize].bounds));
-            document.seen.camera = camera::framed(&document.seen.camera, &bounds, aspect);
-            workspace.pivot = None;
-        }
+        Act::Frame(parts) => selection::frame_parts(workspace, parts),
         Act::ShowAll => {
             for look in arrangement.parts.values_mut() {
                 look.presence = Presence::Shown;

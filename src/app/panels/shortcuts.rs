@@ -13,15 +13,25 @@ pub const KEYS: &[(&str, &str)] = &[
     ("Ctrl+1, 3, 7, 9", "The same from the other side"),
     ("5", "Perspective or parallel"),
     ("Home", "Show everything"),
+    ("F", "Show the selection"),
+    ("C", "Bring the point that it turns about into the middle"),
+    ("Ctrl+D", "Save this view under a name"),
+    ("V", "Next saved view"),
+    ("I", "Isolate the selection"),
+    ("G, H", "Ghost, hide the selection"),
+    ("Shift+H", "Show every part"),
+    ("M", "Measure between two clicks"),
+    ("L", "Parts under the cursor: on, off"),
     ("Ctrl+S", "Save the session"),
     ("Ctrl+P", "Save the picture"),
+    ("Ctrl+Shift+P", "Write pictures: any size, turntable"),
     ("Ctrl+Shift+C", "Copy as command line"),
     ("F1", "This list"),
-    ("Esc", "Dismiss messages"),
+    ("Esc", "Dismiss messages; end measuring; select nothing"),
     ("Ctrl+Q", "Quit"),
 ];
 
-fn mouse(habits: Habits) -> [(&'static str, &'static str); 5] {
+fn mouse(habits: Habits) -> [(&'static str, &'static str); 6] {
     let (turn, pan, zoom) = match habits {
         Habits::F3d => ("Left", "Middle or Shift+left", "Right"),
         Habits::Blender => ("Middle or Alt+left", "Shift+middle", "Ctrl+middle"),
@@ -33,6 +43,7 @@ fn mouse(habits: Habits) -> [(&'static str, &'static str); 5] {
         (zoom, "Zoom"),
         ("Wheel", "Zoom to the cursor"),
         ("Click", "Select a part and turn about it; again for what is behind"),
+        ("Right click", "Choose among the parts under the cursor"),
     ]
 }
 

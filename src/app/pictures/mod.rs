@@ -90,6 +90,22 @@ pub struct Order {
     not_before: Instant,
 }
 
+/// What layers are wanted for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wish {
+    /// To select the part of the nearest; `more` keeps what is selected.
+    Select {
+        /// Whether what is selected stays so.
+        more: bool,
+    },
+    /// To show them beside the cursor, when nothing else is to be done.
+    Hover,
+    /// To offer them in a list.
+    List,
+    /// To measure from or to one of them.
+    Measure,
+}
+
 /// Layers that are to be found.
 #[derive(Clone)]
 pub struct PickOrder {
@@ -103,11 +119,17 @@ pub struct PickOrder {
     pub size: [u32; 2],
     /// Column and row.
     pub pixel: [u32; 2],
+    /// What for.
+    pub wish: Wish,
 }
 
 /// Layers under a pixel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picked {
+    /// Of which scene.
+    pub scene_number: u64,
+    /// What they are wanted for.
+    pub wish: Wish,
     /// Column and row in the viewport.
     pub pixel: [u32; 2],
     /// From where it was seen.
@@ -256,6 +278,11 @@ impl Pictures {
     /// Asks for the layers under a pixel, of the model itself and not of a simpler one.
     pub fn pick(&self, order: PickOrder) {
         self.exact.pick(order);
+    }
+
+    /// Asks for no layers to be shown beside the cursor any more.
+    pub fn stop_hovering(&self) {
+        self.exact.stop_hovering();
     }
 
     /// Asks again for what was asked for last, as after a fault.

@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use super::pace::Pace;
 use super::simplify::simplified;
-use super::{Counted, Delivery, Extras, Fault, Kind, Order, PickOrder, Picked, Picture};
+use super::{Counted, Delivery, Extras, Fault, Kind, Order, PickOrder, Picked, Picture, Wish};
 use crate::app::document::Seen;
 use crate::app::watch::ShaderTexts;
 use crate::export::image::parse_background;
@@ -25,6 +25,8 @@ const SOFTWARE_TRIANGLES: u64 = 15_000;
 struct Slot {
     order: Option<Order>,
     pick: Option<PickOrder>,
+    /// For when there is nothing else.
+    hover: Option<PickOrder>,
     closed: bool,
 }
 
@@ -104,12 +106,22 @@ impl Worker {
         self.desk.posted.notify_one();
     }
 
-    /// Asks for the layers under a pixel, before anything else; a picture at work is begun again afterwards.
+    /// Asks for the layers under a pixel, before anything else; a picture at work is begun again afterwards. What is only
+    /// hovered over waits until nothing else is wanted, and is given up for anything that is.
     pub fn pick(&self, order: PickOrder) {
         let mut slot = lock(&self.desk.slot);
-        self.desk.cancel.store(true, Ordering::Relaxed);
-        slot.pick = Some(order);
+        if order.wish == Wish::Hover {
+            slot.hover = Some(order);
+        } else {
+            self.desk.cancel.store(true, Ordering::Relaxed);
+            slot.pick = Some(order);
+        }
         self.desk.posted.notify_one();
+    }
+
+    /// Nothing is hovered over any more.
+    pub fn stop_hovering(&self) {
+        lock(&self.desk.slot).hover = None;
     }
 
     /// Abandons everything.
@@ -117,6 +129,7 @@ impl Worker {
         let mut slot = lock(&self.desk.slot);
         slot.order = None;
         slot.pick = None;
+        slot.hover = None;
         self.desk.cancel.store(true, Ordering::Relaxed);
     }
 }
@@ -147,6 +160,12 @@ impl Desk {
             if let Some(pick) = slot.pick.take() {
                 self.cancel.store(false, Ordering::Relaxed);
                 return Some(Work::Pick(Box::new(pick)));
+            }
+            if slot.order.is_none()
+                && let Some(hover) = slot.hover.take()
+            {
+                self.cancel.store(false, Ordering::Relaxed);
+                return Some(Work::Pick(Box::new(hover)));
             }
             let wait = slot.order.as_ref().map(|o| o.not_before.saturating_duration_since(Instant::now()));
             slot = match wait {
@@ -379,7 +398,13 @@ impl Studio {
             bench.renderer.pick(&uploaded.scene, camera, settings, order.size, order.pixel)
         }));
         match result {
-            Ok(Ok(layers)) => Some(Delivery::Picked(Picked { pixel: order.pixel, of: order.seen.camera, layers })),
+            Ok(Ok(layers)) => Some(Delivery::Picked(Picked {
+                scene_number: order.scene_number,
+                wish: order.wish,
+                pixel: order.pixel,
+                of: order.seen.camera,
+                layers,
+            })),
             Ok(Err(RenderError::Cancelled)) => None,
             Ok(Err(error)) => {
                 tracing::warn!("nothing could be picked: {error}");

@@ -24,7 +24,10 @@ pub fn changed_module(change: &ShaderChange) -> Result<String, CaseError> {
 }
 
 /// The scene that a case means.
-pub(super) fn scene_of(source: &Source) -> Result<Scene, CaseError> {
+///
+/// # Errors
+/// [`CaseError`] if it cannot be built, written or read.
+pub fn scene_of(source: &Source) -> Result<Scene, CaseError> {
     Ok(match source {
         Source::Builtin(name) | Source::Cut(name, ..) => builtin::build(name)?,
         Source::ThroughFile(name) => {
