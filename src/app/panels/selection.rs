@@ -90,7 +90,11 @@ fn looks(ui: &mut Ui, arrangement: &mut Arrangement, selected: &[u32], first: u3
             for (presence, text) in
                 [(Presence::Shown, "Shown"), (Presence::Ghosted, "Ghost"), (Presence::Hidden, "Hidden")]
             {
-                if ui.add(Button::selectable(!mixed[0] && look.presence == presence, text)).clicked() {
+                let on = !mixed[0] && look.presence == presence;
+                let button = ui.add(Button::selectable(on, text));
+                let label = format!("Presence: {text}");
+                button.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, on, label.clone()));
+                if button.clicked() {
                     change = Some(Box::new(move |l| l.presence = presence));
                 }
             }

@@ -230,7 +230,7 @@ fn looks_of_the_selection_are_changed_together() {
     document.seen.arrangement.selected = [0, 2].into();
     let mut harness = harness(chosen);
     harness.get_by_label("2 parts");
-    harness.get_by_label("Ghost").click();
+    harness.get_by_label("Presence: Ghost").click();
     harness.run();
     harness.get_by_label("Own colour").click();
     harness.run();
