@@ -23,7 +23,7 @@ use super::watch::{Changed, ShaderTexts};
 use crate::math::Camera;
 use crate::plan::{self, Capabilities, FramePlan, ViewStats};
 use crate::render::FrameReport;
-use crate::scene::{Arrangement, NoticeKind, Scene};
+use crate::scene::{Arrangement, Scene};
 use crate::session::{Session, camera_in_file, camera_in_scene};
 use crate::settings::Settings;
 use crate::transfer::{TransferFunction, TransferSource};
@@ -292,7 +292,7 @@ impl Workspace {
             }
         };
         self.messages.retain(|m| m.gravity == Gravity::Error);
-        let notices: Vec<String> = scene.notices.iter().map(|n| format!("{}: {}", word(n.kind), n.message)).collect();
+        let notices: Vec<String> = scene.notices.iter().map(|n| format!("{}: {}", n.kind.name(), n.message)).collect();
         if !notices.is_empty() {
             self.say(Gravity::Notice, notices.join("\n"));
         }
@@ -343,30 +343,18 @@ impl Workspace {
         }
         self.capabilities.get_or_insert_with(|| picture.report.adapter.capabilities.clone());
         self.adapter.get_or_insert_with(|| picture.report.adapter.name.clone());
-        let background =
-            picture.background.map(|rgb| rgb.map(|v| (crate::math::color::srgb_from_linear(f64::from(v))) as f32));
-        let serial = self.screen.as_ref().map_or(0, |s| s.shown.serial) + 1;
-        let view = (picture.seen.camera, picture.viewport);
+        // Another model begins another count.
+        let serial = self.screen.as_ref().map_or(0, |s| s.shown.serial) + 1 + (self.scene_number << 32);
+        let Picture { number, kind, size, milliseconds, viewport, .. } = picture;
+        let view = (picture.seen.camera, viewport);
         let look = (picture.seen.settings.clone(), picture.seen.arrangement.clone());
-        if picture.kind == Kind::Exact {
-            self.report = Some((picture.seen, picture.report));
+        let exact = (kind == Kind::Exact).then(|| (picture.seen.clone(), picture.report.clone()));
+        if exact.is_some() {
+            self.report = exact;
             self.refusal = None;
         }
-        self.screen = Some(OnScreen {
-            shown: Arc::new(Shown {
-                // Another model begins another count.
-                serial: serial + (self.scene_number << 32),
-                size: picture.size,
-                rgba: picture.rgba,
-                background,
-            }),
-            number: picture.number,
-            kind: picture.kind,
-            view,
-            look,
-            size: picture.size,
-            milliseconds: picture.milliseconds,
-        });
+        let shown = Arc::new(shown_of(serial, picture));
+        self.screen = Some(OnScreen { shown, number, kind, view, look, size, milliseconds });
     }
 
     /// Whether what is on screen is the exact picture of what is to be seen.
@@ -502,14 +490,4 @@ impl Workspace {
 fn shown_of(serial: u64, picture: Picture) -> Shown {
     let srgb = |v: f32| crate::math::color::srgb_from_linear(f64::from(v)) as f32;
     Shown { serial, size: picture.size, rgba: picture.rgba, background: picture.background.map(|rgb| rgb.map(srgb)) }
-}
-
-/// A word for a kind of notice.
-fn word(kind: NoticeKind) -> &'static str {
-    match kind {
-        NoticeKind::Ignored => "ignored",
-        NoticeKind::Approximated => "approximated",
-        NoticeKind::Repaired => "repaired",
-        NoticeKind::Computed => "computed",
-    }
 }

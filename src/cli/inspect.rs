@@ -6,7 +6,6 @@ use glam::DVec3;
 use serde::Serialize;
 
 use super::failure::printable;
-use super::load::kind_name;
 use super::output::grouped;
 use crate::math::{Bounds, Projection};
 use crate::scene::{AlphaMode, Scene, SceneCamera, SceneStats};
@@ -147,7 +146,7 @@ impl Report {
             },
             position: (c.world_from_camera.transform_point3(DVec3::ZERO) + scene.origin).to_array(),
         };
-        let notice = |n: &crate::scene::Notice| NoticeFacts { kind: kind_name(n.kind), message: n.message.clone() };
+        let notice = |n: &crate::scene::Notice| NoticeFacts { kind: n.kind.name(), message: n.message.clone() };
         Report {
             name: scene.name.clone(),
             triangles: stats.triangles,

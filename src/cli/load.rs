@@ -6,7 +6,7 @@ use super::failure::{Exit, Failure};
 use super::output::Progress;
 use crate::export::assets;
 use crate::import;
-use crate::scene::{NoticeKind, Scene, builtin};
+use crate::scene::{Scene, builtin};
 
 /// In front of the name of a generated scene.
 const BUILTIN: &str = "builtin:";
@@ -22,7 +22,7 @@ pub fn scene(file: &str, progress: &Progress) -> Result<Scene, Failure> {
         None => import::load(Path::new(file)).map_err(|e| Failure::about(Exit::Input, file, &e))?,
     };
     for notice in &scene.notices {
-        progress.say(&format!("{file}: {}: {}", kind_name(notice.kind), notice.message));
+        progress.say(&format!("{file}: {}: {}", notice.kind.name(), notice.message));
     }
     Ok(scene)
 }
@@ -35,14 +35,4 @@ pub fn write_assets(folder: &Path) -> Result<(), Failure> {
     let written = assets::write_assets(folder).map_err(|e| Failure::of(Exit::General, &e))?;
     let lines: String = written.iter().map(|path| format!("{}\n", path.display())).collect();
     super::output::print(lines.as_bytes())
-}
-
-/// A word for a kind of notice.
-pub fn kind_name(kind: NoticeKind) -> &'static str {
-    match kind {
-        NoticeKind::Ignored => "ignored",
-        NoticeKind::Approximated => "approximated",
-        NoticeKind::Repaired => "repaired",
-        NoticeKind::Computed => "computed",
-    }
 }

@@ -346,6 +346,12 @@ fn pipelines(
     Ok(Pipelines { plain: kernel(false)?, textured: if needs_textured { Some(kernel(true)?) } else { None } })
 }
 
+/// A pass over the scene into a target of this format that nothing is written to yet; streams and textures follow from the
+/// primitives.
+fn target_spec(target: wgpu::TextureFormat) -> RasterSpec {
+    RasterSpec { streams: 0, textured: false, target, writes_color: false, depth_test: false, blend: false }
+}
+
 /// A geometry pass that only writes storage: draws the band's part of the scene, no target is written.
 ///
 /// # Errors
@@ -357,14 +363,7 @@ pub fn draw(
     vertices: Vertices,
     fragment: FragmentStage<'_>,
 ) -> Result<(), GpuError> {
-    let base = RasterSpec {
-        streams: 0,
-        textured: false,
-        target: wgpu::TextureFormat::R8Unorm,
-        writes_color: false,
-        depth_test: false,
-        blend: false,
-    };
+    let base = target_spec(wgpu::TextureFormat::R8Unorm);
     let pipelines = pipelines(context, scene, vertices, fragment, base)?;
     let blank = context.blank;
     run_pass(context, scene, pass, vertices, &pipelines, blank, None)
@@ -381,14 +380,7 @@ pub fn draw_opaque(
     depth: &wgpu::TextureView,
     fragment: FragmentStage<'_>,
 ) -> Result<(), GpuError> {
-    let base = RasterSpec {
-        streams: 0,
-        textured: false,
-        target: wgpu::TextureFormat::Rg32Uint,
-        writes_color: true,
-        depth_test: true,
-        blend: false,
-    };
+    let base = RasterSpec { writes_color: true, depth_test: true, ..target_spec(wgpu::TextureFormat::Rg32Uint) };
     let pipelines = pipelines(context, scene, Vertices::Surface, fragment, base)?;
     run_pass(context, scene, Pass::Opaque, Vertices::Surface, &pipelines, target, Some(depth))
 }
@@ -403,14 +395,7 @@ pub fn draw_mask(
     target: &wgpu::TextureView,
     fragment: FragmentStage<'_>,
 ) -> Result<(), GpuError> {
-    let base = RasterSpec {
-        streams: 0,
-        textured: false,
-        target: wgpu::TextureFormat::R8Unorm,
-        writes_color: true,
-        depth_test: false,
-        blend: false,
-    };
+    let base = RasterSpec { writes_color: true, ..target_spec(wgpu::TextureFormat::R8Unorm) };
     let pipelines = pipelines(context, scene, Vertices::Depth, fragment, base)?;
     run_pass(context, scene, Pass::OutlineMask, Vertices::Depth, &pipelines, target, None)
 }
@@ -425,14 +410,7 @@ pub fn draw_unsorted(
     target: &wgpu::TextureView,
     fragment: FragmentStage<'_>,
 ) -> Result<(), GpuError> {
-    let base = RasterSpec {
-        streams: 0,
-        textured: false,
-        target: wgpu::TextureFormat::Rgba16Float,
-        writes_color: true,
-        depth_test: false,
-        blend: true,
-    };
+    let base = RasterSpec { writes_color: true, blend: true, ..target_spec(wgpu::TextureFormat::Rgba16Float) };
     let pipelines = pipelines(context, scene, Vertices::Surface, fragment, base)?;
     run_pass(context, scene, Pass::Opaque, Vertices::Surface, &pipelines, target, None)
 }

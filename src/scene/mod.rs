@@ -304,6 +304,18 @@ pub enum NoticeKind {
     Computed,
 }
 
+impl NoticeKind {
+    /// In a word.
+    pub fn name(self) -> &'static str {
+        match self {
+            NoticeKind::Ignored => "ignored",
+            NoticeKind::Approximated => "approximated",
+            NoticeKind::Repaired => "repaired",
+            NoticeKind::Computed => "computed",
+        }
+    }
+}
+
 /// Why a scene could not be finished.
 #[derive(Debug, thiserror::Error, PartialEq)]
 pub enum SceneError {
