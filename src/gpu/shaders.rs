@@ -175,6 +175,7 @@ pub struct Shaders {
     kernels: Mutex<HashMap<u64, Arc<Kernel>>>,
     raster: Mutex<HashMap<u64, Arc<RasterKernel>>>,
     replaced: HashMap<String, String>,
+    revision: u64,
 }
 
 fn key_of(parts: &[&str]) -> u64 {
@@ -192,16 +193,23 @@ impl Shaders {
             kernels: Mutex::default(),
             raster: Mutex::default(),
             replaced: HashMap::new(),
+            revision: 0,
         }
     }
 
     /// Lets another text stand in for a module from now on, or the module's own again for `None`. For tests that plant
     /// an error and see that it is found.
     pub fn replace(&mut self, module: &str, text: Option<String>) {
+        self.revision += 1;
         match text {
             Some(text) => self.replaced.insert(module.to_owned(), text),
             None => self.replaced.remove(module),
         };
+    }
+
+    /// How often modules have been replaced.
+    pub fn revision(&self) -> u64 {
+        self.revision
     }
 
     /// The compute pipeline of an entry point.

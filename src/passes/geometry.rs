@@ -34,6 +34,8 @@ pub enum DrawOrder {
 pub struct GpuScene {
     /// What the planner needs to know of it.
     pub stats: SceneStats,
+    /// Of the upload: no other one of this program has it.
+    pub serial: u64,
     primitives: Vec<GpuPrimitive>,
     /// Run of each mesh in `primitives`.
     primitives_of_mesh: Vec<std::ops::Range<usize>>,

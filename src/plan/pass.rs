@@ -4,7 +4,7 @@ use serde::Serialize;
 
 /// Everything that can run in a frame, in the order in which it would; data storage comes before the buckets where it does
 /// not need them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Pass {
     /// Nearest surfaces by the depth test, lit at once.

@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use glam::DVec2;
 
+use super::reuse::{Kept, Origin, Stored};
 use super::targets::{Targets, texture};
 use super::{Frame, FrameReport, RenderError, Renderer};
 use crate::gpu::{GpuError, PassTime, Recorder, Resource, go_on};
@@ -85,6 +86,11 @@ pub(super) fn draw(
     let begin = Instant::now();
     let gpu = renderer.gpu.clone();
     gpu.check()?;
+    let origin = Origin::of(renderer, scene, camera, settings, &plan);
+    let (kept, stored) = match (&origin, renderer.stored.take()) {
+        (Some(new), Some(old)) => (new.keeps(&old.origin), Some(old)),
+        _ => (Kept::Nothing, None),
+    };
     let targets = Targets::ensure(&mut renderer.targets, &gpu, &plan)?;
     let (image, blank) = (targets.image.clone(), targets.blank.clone());
     let sums = targets.sums.clone();
@@ -112,6 +118,11 @@ pub(super) fn draw(
         let jitter = jitter(sample, plan.samples);
         let view = View { scene, camera, frustum, jitter, instances: Arc::clone(&instances) };
         match plan.capture {
+            _ if kept > Kept::Nothing
+                && let Some(stored) = &stored =>
+            {
+                draw_stored(renderer, &plan, &view, &blank, stored, kept, &mut tally)?;
+            }
             Capture::None => {
                 let band = plan.bands[0];
                 let mut work = Work::new(renderer, &plan, &view, band, &blank)?;
@@ -129,7 +140,7 @@ pub(super) fn draw(
                         context.recorder.encoder.clear_buffer(tail, 0, None);
                     }
                     capture_rows(&mut context, scene)?;
-                    light_layers(&mut context)?;
+                    light_layers(&mut context, Kept::Nothing)?;
                     composite::blend(&mut context)?;
                     work.finish(&mut tally)?;
                 }
@@ -159,7 +170,13 @@ pub(super) fn draw(
         let weight = 1.0 / plan.samples as f32;
         pixels.iter_mut().flatten().for_each(|v| *v *= weight);
     }
+    if let Some(origin) = origin
+        && tally.bands == 1
+    {
+        renderer.stored = Some(Stored { origin, layers: tally.layers, room: tally.room });
+    }
     let report = FrameReport {
+        kept,
         layers: tally.layers,
         passes: tally.times,
         milliseconds: begin.elapsed().as_secs_f64() * 1e3,
@@ -243,10 +260,36 @@ fn draw_compacted(
             count_band(&mut context, view.scene)?;
         }
         capture_counted(&mut context, view.scene)?;
-        light_layers(&mut context)?;
+        light_layers(&mut context, Kept::Nothing)?;
         composite::blend(&mut context)?;
         work.finish(tally)?;
+        tally.room = Some((fragments, deepest));
     }
+    Ok(())
+}
+
+/// The frame from where it differs from the one whose layers are stored.
+fn draw_stored(
+    renderer: &mut Renderer,
+    plan: &FramePlan,
+    view: &View<'_>,
+    blank: &wgpu::TextureView,
+    stored: &Stored,
+    kept: Kept,
+    tally: &mut Tally,
+) -> Result<(), RenderError> {
+    let mut deepest = u32::MAX;
+    if let Some((fragments, deepest_pixel)) = stored.room {
+        ensure_fragments(renderer, plan, fragments, deepest_pixel)?;
+        deepest = deepest_pixel;
+    }
+    let mut work = Work::new(renderer, plan, view, whole(plan), blank)?;
+    let mut context = work.context();
+    context.deepest = deepest;
+    light_layers(&mut context, kept)?;
+    composite::blend(&mut context)?;
+    work.submit_times(tally)?;
+    (tally.layers, tally.room, tally.bands) = (stored.layers, stored.room, 1);
     Ok(())
 }
 
@@ -300,9 +343,11 @@ fn bucket_passes(context: &mut Context<'_>) -> Result<(), GpuError> {
     Ok(())
 }
 
-/// Stages 2 and 3: the same for every capture.
-pub(super) fn light_layers(context: &mut Context<'_>) -> Result<(), GpuError> {
-    if let Some(features) = context.plan.features {
+/// Stages 2 and 3: the same for every capture; without features if they are kept.
+pub(super) fn light_layers(context: &mut Context<'_>, kept: Kept) -> Result<(), GpuError> {
+    if let Some(features) = context.plan.features
+        && kept < Kept::Features
+    {
         neighbours::search(context, &features)?;
         curvature::curvature(context, &features)?;
     }
@@ -318,6 +363,8 @@ pub(super) struct Tally {
     layers: LayerCounts,
     times: Vec<PassTime>,
     bands: usize,
+    /// Fragments and deepest pixel of a band of compacted lists.
+    room: Option<(u64, u32)>,
 }
 
 /// A band at work: its frame uniform, its recorder, the renderer's resources.

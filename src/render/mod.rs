@@ -4,6 +4,7 @@ mod frame;
 mod histogram;
 mod pick;
 mod readback;
+mod reuse;
 mod targets;
 
 use std::sync::Arc;
@@ -23,6 +24,7 @@ use crate::transfer::{TransferError, TransferFunction};
 pub use histogram::LayerHistogram;
 pub use pick::PickedLayer;
 pub use readback::{PixelBuckets, StoreReadback};
+pub use reuse::Kept;
 
 /// Why a picture was not drawn.
 #[derive(Debug, thiserror::Error)]
@@ -91,6 +93,8 @@ pub struct FrameReport {
     pub milliseconds: f64,
     /// Bands that it took.
     pub bands: usize,
+    /// What was taken from the frame before, which `passes` then lacks: see [`Renderer::keeps_layers`].
+    pub kept: Kept,
     /// Bytes of the buffers that the frame used.
     pub buffer_bytes: u64,
     /// What was executed.
@@ -137,6 +141,10 @@ pub struct Renderer {
     /// Raised from another thread when the picture at work is no longer wanted. It is looked at between bands and samples
     /// and, under [`Timing::Serial`], between passes.
     pub cancel: Option<Arc<AtomicBool>>,
+    /// Whether a frame may begin with the layers of the one before where they are the same, as while a transfer function is
+    /// dragged. Off by default, because then times are not those of whole frames.
+    pub keeps_layers: bool,
+    stored: Option<reuse::Stored>,
     targets: Option<targets::Targets>,
     picking: pick::Picking,
 }
@@ -156,6 +164,8 @@ impl Renderer {
             draw_order: DrawOrder::default(),
             timing: Timing::default(),
             cancel: None,
+            keeps_layers: false,
+            stored: None,
             targets: None,
             picking: pick::Picking::default(),
         })

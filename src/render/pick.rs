@@ -11,7 +11,7 @@ use std::sync::Arc;
 use glam::{DMat4, DVec2, DVec3, Vec3};
 
 use super::frame::{self, Tally, View, Work};
-use super::{GpuScene, RenderError, Renderer, targets};
+use super::{GpuScene, Kept, RenderError, Renderer, targets};
 use crate::gpu::{GpuError, Resources};
 use crate::math::{Camera, Sphere};
 use crate::oracle;
@@ -183,7 +183,7 @@ impl Renderer {
             }
             frame::capture_rows(&mut context, scene)?;
         }
-        frame::light_layers(&mut context)?;
+        frame::light_layers(&mut context, Kept::Nothing)?;
         work.submit_times(&mut tally)?;
 
         let at = ((y - band.first_row) * plan.size[0] + x) as usize;

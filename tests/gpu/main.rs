@@ -14,6 +14,7 @@ mod histogram;
 mod meshes;
 mod pictures;
 mod raster;
+mod reuse;
 mod sections;
 mod stages;
 mod tradeoff;

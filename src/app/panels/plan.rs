@@ -5,6 +5,7 @@ use egui::{CollapsingHeader, Color32, Grid, Label, RichText, Ui};
 use super::status::grouped;
 use crate::app::workspace::Workspace;
 use crate::gpu::PassTime;
+use crate::render::Kept;
 
 /// The plan.
 pub fn show(ui: &mut Ui, workspace: &mut Workspace) {
@@ -21,9 +22,9 @@ pub fn show(ui: &mut Ui, workspace: &mut Workspace) {
             }
         };
         // Times of another view are no times of this one.
-        let times: &[PassTime] = match (&workspace.report, &workspace.document) {
-            (Some((seen, report)), Some(document)) if *seen == document.seen => &report.passes,
-            _ => &[],
+        let (times, kept): (&[PassTime], Kept) = match (&workspace.report, &workspace.document) {
+            (Some((seen, report)), Some(document)) if *seen == document.seen => (&report.passes, report.kept),
+            _ => (&[], Kept::Nothing),
         };
         heading(
             ui,
@@ -33,6 +34,7 @@ pub fn show(ui: &mut Ui, workspace: &mut Workspace) {
         );
         for planned in &plan.passes {
             let time = times.iter().find(|t| t.pass == planned.pass).map(|t| milliseconds(t.milliseconds));
+            let time = time.or_else(|| kept.spares(planned.pass).then(|| "kept".to_owned()));
             line(ui, planned.pass.name(), time.as_deref(), &planned.reason);
         }
         heading(ui, "Not needed", "", false);

@@ -15,7 +15,7 @@ use crate::app::watch::ShaderTexts;
 use crate::export::image::parse_background;
 use crate::export::png::rgba8;
 use crate::gpu::{Gpu, GpuError, GpuOptions, Timing};
-use crate::render::{FrameReport, GpuScene, RenderError, Renderer};
+use crate::render::{FrameReport, GpuScene, Kept, RenderError, Renderer};
 use crate::scene::{Arrangement, Scene};
 
 /// Triangles of a preview on a software rasterizer.
@@ -357,6 +357,7 @@ impl Studio {
             let software = gpu.facts().device_type == "Cpu";
             let mut renderer = Renderer::new(gpu)?;
             renderer.cancel = Some(Arc::clone(&self.cancel));
+            renderer.keeps_layers = true;
             if self.kind == Kind::Exact && software {
                 // Passes one by one: they can be cancelled in between, and their times are right.
                 renderer.timing = Timing::Serial;
@@ -441,8 +442,10 @@ impl Studio {
         let background = parse_background(&settings.image.background).unwrap_or_default();
         let rgba = rgba8(&frame.image, background);
         let milliseconds = begin.elapsed().as_secs_f64() * 1e3;
-        tracing::debug!("{} {}: {size:?} in {milliseconds:.1} ms", kind.name(), order.number);
-        if kind == Kind::Preview {
+        let kept = frame.report.kept;
+        tracing::debug!("{} {}: {size:?} in {milliseconds:.1} ms, kept: {kept:?}", kind.name(), order.number);
+        // A part of a frame says nothing about how long a whole one takes.
+        if kind == Kind::Preview && kept == Kept::Nothing {
             lock(&pace).measured(milliseconds);
         }
         Ok(Picture {

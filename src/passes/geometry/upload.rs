@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::caps::Own;
 use super::{GpuMaterial, GpuPart, GpuPrimitive, GpuScene};
@@ -14,6 +15,8 @@ use crate::scene::{
     TextureRef, Wrap,
 };
 
+/// How many scenes have been uploaded.
+static UPLOADS: AtomicU64 = AtomicU64::new(0);
 /// Bit that says: the vertex normals oppose the winding (as in `scene/instance.wgsl`).
 const OPPOSED: u32 = 0x8000_0000;
 
@@ -466,6 +469,7 @@ impl GpuScene {
         let own = Own::new(primitives.len(), primitives_of_mesh.len(), parts.len());
         Ok(GpuScene {
             stats: SceneStats::of(scene),
+            serial: UPLOADS.fetch_add(1, Ordering::Relaxed),
             primitives,
             primitives_of_mesh,
             materials,
