@@ -22,6 +22,7 @@ impl Workspace {
         let Some(document) = &self.document else {
             return;
         };
+        tracing::debug!("{} layers found at {:?} for {:?}", picked.layers.len(), picked.pixel, picked.wish);
         match picked.wish {
             Wish::Select { more } => self.select_picked(picked, more),
             Wish::Hover => {
