@@ -3,6 +3,7 @@
 //! A surface of no size or beyond the largest texture is a validation error, so the first is not drawn and the second is
 //! clamped. A lost or outdated surface is configured again; after a lost device everything here is made anew.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -156,12 +157,17 @@ impl Surface {
         trace: bool,
     ) -> Drawn {
         // Taken out, not looked at: what is left when a delta is dropped counts as forgotten.
-        for (id, deltas) in std::mem::take(&mut textures.set) {
-            for delta in &deltas {
-                self.renderer.update_texture(&self.device, &self.queue, id, delta);
+        let set = std::mem::take(&mut textures.set);
+        // Egui and wgpu panic where a device goes away between two calls.
+        let drawn = catch_unwind(AssertUnwindSafe(|| {
+            for (id, deltas) in set {
+                for delta in &deltas {
+                    self.renderer.update_texture(&self.device, &self.queue, id, delta);
+                }
             }
-        }
-        let drawn = self.present(shapes, pixels_per_point, trace);
+            self.present(shapes, pixels_per_point, trace)
+        }));
+        let drawn = drawn.unwrap_or(Drawn::Lost);
         for id in std::mem::take(&mut textures.free) {
             self.renderer.free_texture(&id);
         }

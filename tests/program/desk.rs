@@ -232,12 +232,16 @@ impl Desk {
 
     /// All widgets of this name, as the last frame has them.
     pub fn find_all(&self, name: &str) -> Vec<Place> {
+        let wanted = format!("{name:?}");
+        self.find_by(|found| found == wanted)
+    }
+
+    fn find_by(&self, named: impl Fn(&str) -> bool) -> Vec<Place> {
         let log = self.log();
         let Some(end) = log.rfind("\nend of tree") else {
             return Vec::new();
         };
         let begin = log[..end].rfind("places: tree\n").unwrap_or(0);
-        let wanted = format!("{name:?}");
         let line = |line: &str| {
             let words: Vec<&str> = line.split('\t').collect();
             let [_, found, value, place] = words[..] else {
@@ -248,7 +252,7 @@ impl Desk {
                 return None;
             };
             let value = value.trim_matches('"').to_owned();
-            (found == wanted).then_some(Place { value, left, top, right, bottom })
+            named(found).then_some(Place { value, left, top, right, bottom })
         };
         log[begin..end].lines().filter_map(line).collect()
     }
@@ -257,12 +261,17 @@ impl Desk {
         self.find_all(name).pop()
     }
 
+    /// The same; the name may go on with keys, as those of menus do.
+    fn find_named(&self, name: &str) -> Option<Place> {
+        self.find(name).or_else(|| self.find_by(|found| found.starts_with(&format!("\"{name}"))).pop())
+    }
+
     /// Where a widget is, once it is there and scrolled into sight.
     pub fn place(&self, name: &str) -> Place {
         self.fence();
-        self.wait(name, |desk| desk.find(name).is_some());
+        self.wait(name, |desk| desk.find_named(name).is_some());
         for _ in 0..40 {
-            let (place, picture) = (self.find(name).unwrap(), self.find("Viewport").unwrap());
+            let (place, picture) = (self.find_named(name).unwrap(), self.find("Viewport").unwrap());
             let x = (place.left + place.right) / 2;
             // What lies below the panels beside the picture is scrolled out of them, or in the editors.
             let in_a_panel = (x > picture.right || x < picture.left) && !EDITORS.iter().any(|n| name.starts_with(n));

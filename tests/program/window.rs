@@ -65,8 +65,8 @@ fn compare(desk: &Desk, step: &str) {
     assert!(expected.pixels().any(|p| p != background), "{step}: nothing is seen");
 }
 
-/// A pixel of the viewport with at least three layers of three parts in a session, and those parts, nearest first.
-fn three_parts(desk: &Desk, step: &str, scene: &Scene) -> ([u32; 2], [u32; 3]) {
+/// A pixel of the viewport whose third layer is of another part than the two before it, and that part: what is behind a wall.
+fn third_part(desk: &Desk, step: &str, scene: &Scene) -> ([u32; 2], u32) {
     let session = Session::from_toml(&text(desk, step)).unwrap().resolve(scene).unwrap();
     let mut renderer = Renderer::new(gpu("what lies under a pixel").unwrap()).unwrap();
     let uploaded = renderer.load(scene).unwrap();
@@ -77,14 +77,13 @@ fn three_parts(desk: &Desk, step: &str, scene: &Scene) -> ([u32; 2], [u32; 3]) {
         let layers = renderer.pick(&uploaded, &camera, &session.settings, session.size, pixel).unwrap();
         let parts: Vec<u32> = layers.iter().take(3).map(|l| l.part).collect();
         if let [a, b, c] = parts[..]
-            && a != b
-            && a != c
-            && b != c
+            && c != a
+            && c != b
         {
-            return (pixel, [a, b, c]);
+            return (pixel, c);
         }
     }
-    panic!("no pixel with three layers of three parts");
+    panic!("no pixel with another part behind a wall");
 }
 
 #[test]
@@ -122,7 +121,7 @@ fn the_window_shows_what_the_command_line_draws() {
 
     // Clicks on one pixel go through the layers there: the third is chosen. What is in the file is asked without the window.
     let scene = pellucid::import::load(&second).unwrap();
-    let (pixel, parts) = three_parts(&desk, "edited", &scene);
+    let (pixel, third) = third_part(&desk, "edited", &scene);
     let at = [x + pixel[0], y + pixel[1]];
     desk.click(at, 1);
     desk.wait_for(&format!("layers found at {pixel:?} for Select"));
@@ -136,7 +135,7 @@ fn the_window_shows_what_the_command_line_draws() {
         let session = Session::from_toml(&text(&desk, step)).unwrap().resolve(&scene).unwrap();
         session.arrangement
     };
-    assert_eq!(arrangement("picked").selected, [parts[2]].into(), "{parts:?}");
+    assert_eq!(arrangement("picked").selected, [third].into());
 
     // The list under the right button isolates it.
     desk.click(at, 3);
@@ -144,7 +143,7 @@ fn the_window_shows_what_the_command_line_draws() {
     desk.press("Isolate the selection");
     compare(&desk, "isolated");
     for part in 0..scene.parts.len() as u32 {
-        let expected = if part == parts[2] { Presence::Shown } else { Presence::Ghosted };
+        let expected = if part == third { Presence::Shown } else { Presence::Ghosted };
         assert_eq!(arrangement("isolated").look(part).presence, expected, "{part}");
     }
 
@@ -230,14 +229,14 @@ fn what_is_lost_is_opened_again() {
     desk.xdotool("mousemove 640 796");
     desk.settle();
     let before = desk.screenshot("before");
-    let again = "The graphics device was lost and has been opened again.";
+    let again = "workspace: The graphics device was lost and has been opened again.";
     // Twice the device: what was mended once has to be mended the next time too.
     for (n, (key, fact)) in
         [("F9", "surface was lost and is made anew"), ("F8", again), ("F8", again)].into_iter().enumerate()
     {
         desk.xdotool(&format!("key {key}"));
         let times = 1 + usize::from(n == 2);
-        desk.wait(fact, |desk| desk.log().matches(fact).count() == times);
+        desk.wait(fact, |desk| desk.log().matches(fact).count() >= times);
         desk.settle();
         if key == "F8" {
             let said = desk.find_all("Dismiss").len();
