@@ -178,7 +178,7 @@ fn at_rest_nothing_is_drawn() {
     if !tools_are_there() || gpu("the window at rest").is_none() {
         return;
     }
-    let mut desk = Desk::open(&["builtin:stack"]);
+    let desk = Desk::open(&["builtin:stack"]);
     desk.settle();
     desk.rests("after the exact picture");
     let (_, [x, y, w, h]) = desk.last_order().unwrap();
@@ -212,8 +212,7 @@ fn at_rest_nothing_is_drawn() {
     let save = desk.place("Save session…").middle();
     desk.xdotool(&format!("mousemove {} {}", save[0], save[1]));
     desk.rests("with a menu open");
-    desk.press("Quit");
-    assert!(desk.window().wait().unwrap().success(), "{}", desk.log());
+    desk.quit();
 }
 
 /// A lost surface and a lost device are made anew, and the window looks as before: letters, thumbnails and picture.
