@@ -161,8 +161,8 @@ fn the_window_shows_what_the_command_line_draws() {
 
     // Undone step by step to what was opened, and done again.
     desk.key_until("ctrl+z", "undone");
-    compare(&desk, "one back");
-    assert_eq!(text(&desk, "one back"), text(&desk, "cut"));
+    compare(&desk, "back");
+    assert_eq!(text(&desk, "back"), text(&desk, "cut"));
     desk.key_until("ctrl+z", "nothing to undo");
     compare(&desk, "undone");
     assert_eq!(text(&desk, "undone"), text(&desk, "opened"));
