@@ -3,6 +3,7 @@
 //! What winit, the threads and the dialogs would do is done here in a few lines; the rest is the code that runs in the window.
 //! After every event what is seen must be sound: it fits the model, all of it is in range, and undo leads back to sound values.
 
+use std::panic::catch_unwind;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
@@ -19,6 +20,7 @@ use super::hand::Hand;
 use super::loader::Loading;
 use super::panels::{self, style};
 use super::pictures::{Picked, Wish};
+use super::planted::{self, Fault};
 use super::workspace::{Ask, Prompt, Workspace};
 use super::{exports, keys};
 use crate::export::glb::write_glb;
@@ -167,11 +169,7 @@ impl Desk {
         // Nothing is drawn, so nothing is uploaded.
         output.textures_delta.clear();
         let held = self.context.input(|i| i.pointer.any_down());
-        if let Some(document) = &mut self.workspace.document
-            && !held
-        {
-            document.settle();
-        }
+        self.workspace.settle(held);
     }
 
     /// What the shell would do, as far as it needs no display.
@@ -289,10 +287,15 @@ impl Desk {
                 self.hold();
                 let mut events = vec![self.go(to)];
                 self.frame(std::mem::take(&mut events));
-                let down = self.button(button, true);
-                let up = self.button(button, false);
-                self.frame(vec![down, up]);
-                format!("{button:?} click at {to}")
+                // Now and then again and again on the same place.
+                let times = self.pick(&[1, 1, 2, 8]);
+                for _ in 0..times {
+                    let down = self.button(button, true);
+                    let up = self.button(button, false);
+                    self.frame(vec![down, up]);
+                    self.fulfil();
+                }
+                format!("{times} {button:?} clicks at {to}")
             }
             5..=8 => {
                 let (from, button) = (self.at(), self.pick(&BUTTONS));
@@ -310,6 +313,9 @@ impl Desk {
                 // Now and then the button comes up elsewhere, unheard.
                 if below(&mut self.random, 12) == 0 {
                     self.hand.let_go();
+                    if let Some(document) = &mut self.workspace.document {
+                        document.end_gesture();
+                    }
                     self.frame(vec![Event::PointerGone]);
                 }
                 let up = self.button(button, false);
@@ -387,7 +393,11 @@ impl Desk {
     }
 }
 
-fn fuzz(seed: u64, events: u32) {
+/// So many random events.
+///
+/// # Errors
+/// What they have done wrong, with the last of them. Whatever panics, panics.
+fn fuzz(seed: u64, events: u32) -> Result<(), String> {
     let folder = tempfile::tempdir().unwrap();
     let mut desk = Desk::new(seed, folder.path());
     let mut seen = 0;
@@ -401,22 +411,31 @@ fn fuzz(seed: u64, events: u32) {
         let tail = || log[log.len().saturating_sub(6)..].join("\n");
         if let Some(document) = &desk.workspace.document {
             seen += 1;
-            check(&document.seen, &desk.workspace)
-                .unwrap_or_else(|e| panic!("seed {seed}, event {n}: {e}\n{}", tail()));
+            check(&document.seen, &desk.workspace).map_err(|e| format!("seed {seed}, event {n}: {e}\n{}", tail()))?;
         }
         if n % 100 == 99 {
-            check_history(&mut desk.workspace).unwrap_or_else(|e| panic!("seed {seed}, event {n}: {e}\n{}", tail()));
+            check_history(&mut desk.workspace).map_err(|e| format!("seed {seed}, event {n}: {e}\n{}", tail()))?;
         }
     }
     assert_eq!(seen, events, "a model is always there");
     let scene = desk.workspace.document.as_ref().map(|d| Arc::clone(&d.scene)).unwrap();
     assert!(!scene.parts.is_empty());
+    Ok(())
 }
 
 /// Two thousand events in all; a fault names the seed and the last events.
 #[test]
 fn whatever_comes_what_is_seen_stays_sound() {
     for seed in 1..=4 {
-        fuzz(seed, EVENTS / 4);
+        fuzz(seed, EVENTS / 4).unwrap_or_else(|e| panic!("{e}"));
+    }
+}
+
+/// What would be the use of it otherwise: broken code is found within as many events.
+#[test]
+fn faults_that_are_planted_are_found() {
+    for fault in [Fault::LateAnswers, Fault::PastTheEnd, Fault::LostStep] {
+        let broken = |seed| planted::with(fault, || catch_unwind(|| fuzz(seed, EVENTS / 4)));
+        assert!((1..=4).any(|seed| !matches!(broken(seed), Ok(Ok(())))), "{fault:?}");
     }
 }

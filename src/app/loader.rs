@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::camera;
-use crate::import::{self, ImportOptions};
+use crate::import::{self, Cancel, ImportOptions};
 use crate::scene::hard_case::{HardCase, Source};
 use crate::scene::{Arrangement, Scene, Section, builtin};
 use crate::session::{Session, camera_in_file};
@@ -46,7 +46,7 @@ pub enum Phase {
 
 #[derive(Default)]
 struct Shared {
-    called_off: AtomicBool,
+    cancel: Cancel,
     read: AtomicU64,
     total: AtomicU64,
     building: AtomicBool,
@@ -93,9 +93,10 @@ impl Loading {
 }
 
 impl Drop for Loading {
-    /// Calls it off: reading stops, and a scene that is being made is thrown away when it is done.
+    /// Calls it off: reading stops, and decoding after the images and primitives at hand; a scene that is there all the same is
+    /// thrown away.
     fn drop(&mut self) {
-        self.shared.called_off.store(true, Ordering::Relaxed);
+        self.shared.cancel.cancel();
     }
 }
 
@@ -159,7 +160,8 @@ fn load_scene(file: &str, shared: &Shared, wake: &impl Fn()) -> Result<Scene, St
     wake();
     let name = path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    import::load_bytes(&bytes, &name, Some(folder)).map_err(|e| full(&e))
+    let options = ImportOptions { cancel: shared.cancel.clone(), ..ImportOptions::default() };
+    import::load_bytes_with(&bytes, &name, Some(folder), &options).map_err(|e| full(&e))
 }
 
 /// An error and whatever caused it, in one line.
@@ -185,7 +187,7 @@ fn read(path: &Path, shared: &Shared, wake: &impl Fn()) -> Result<Vec<u8>, Strin
     let mut bytes = Vec::new();
     let mut piece = vec![0; PIECE];
     loop {
-        if shared.called_off.load(Ordering::Relaxed) {
+        if shared.cancel.is_cancelled() {
             return Err("called off".to_owned());
         }
         match rest.read(&mut piece).map_err(|e| e.to_string())? {
@@ -224,6 +226,25 @@ mod tests {
             assert!(camera::is_sound(&session.camera), "{}: {:?}", case.name, session.camera);
             assert_eq!(session.settings, Settings::from_pairs(case.ours.settings).unwrap());
         }
+    }
+
+    #[test]
+    fn a_model_that_is_no_longer_wanted_is_not_decoded() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("stack.glb");
+        let bytes = crate::export::glb::write_glb(&builtin::build("stack").unwrap()).unwrap();
+        std::fs::write(&path, bytes).unwrap();
+        let file = path.to_str().unwrap();
+        // Called off when everything is read: what is left is to decode it.
+        let shared = Shared::default();
+        let wake = || {
+            if shared.building.load(Ordering::Relaxed) {
+                shared.cancel.cancel();
+            }
+        };
+        let said = load_scene(file, &shared, &wake).map(|_| ()).unwrap_err();
+        assert!(said.ends_with("called off"), "{said}");
+        assert!(load_scene(file, &Shared::default(), &|| {}).is_ok());
     }
 
     #[test]

@@ -42,6 +42,10 @@ pub mod workspace;
 
 #[cfg(test)]
 mod fuzz;
+#[cfg(test)]
+mod gestures;
+#[cfg(test)]
+mod planted;
 
 pub use shell::run;
 

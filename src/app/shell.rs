@@ -5,6 +5,7 @@
 
 mod asks;
 mod latency;
+mod places;
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -116,13 +117,16 @@ struct Shell {
     /// Frames that only follow the mouse take half of the time at most: on a software rasterizer they are drawn by the same
     /// processor as the pictures.
     rest_until: Instant,
+    /// Devices that were lost since the last frame that could be drawn, and in all.
     reopened: u32,
+    losses: u32,
     frames: u64,
     /// Inputs that no frame answers yet, and those of which no picture is drawn yet: of which order, and when they came.
     inputs: VecDeque<(u64, Instant)>,
     undrawn: VecDeque<(u64, Instant)>,
     /// When the event at hand came.
     now: Instant,
+    places: places::Places,
     failure: Option<AppError>,
     quit: bool,
 }
@@ -143,6 +147,9 @@ impl Shell {
         let context = egui::Context::default();
         style::set_up(&context);
         style::apply(&context, &workspace.preferences);
+        if places::wanted() {
+            context.enable_accesskit();
+        }
         Shell {
             proxy,
             context,
@@ -158,10 +165,12 @@ impl Shell {
             repaint_at: None,
             rest_until: Instant::now(),
             reopened: 0,
+            losses: 0,
             frames: 0,
             inputs: VecDeque::new(),
             undrawn: VecDeque::new(),
             now: Instant::now(),
+            places: places::Places::default(),
             failure: None,
             quit: false,
         }
@@ -333,15 +342,11 @@ impl Shell {
         let input = open.egui.take_egui_input(&open.window);
         let workspace = &mut self.workspace;
         let output = self.context.run_ui(input, |ui| panels::show(ui, workspace));
+        self.places.note(output.platform_output.accesskit_update.as_ref(), output.pixels_per_point);
         open.egui.handle_platform_output_with_event_loop(&open.window, event_loop, output.platform_output);
         let wheel = self.hand.is_wheeling();
         let held = self.context.input(|i| i.pointer.any_down());
-        if let Some(document) = &mut self.workspace.document
-            && !held
-            && !wheel
-        {
-            document.settle();
-        }
+        self.workspace.settle(held || wheel);
         self.order();
         let waker = self.waker();
         let watch = self.watch.get_or_insert_with(|| Watch::start(workshop(), waker));
@@ -353,7 +358,7 @@ impl Shell {
         let shapes = self.context.tessellate(output.shapes, output.pixels_per_point);
         let trace = tracing::enabled!(tracing::Level::DEBUG);
         let drawn = open.surface.draw(&shapes, output.textures_delta, output.pixels_per_point, trace);
-        if let Some(complaint) = open.surface.complaint() {
+        if let Some(complaint) = open.surface.complaint().filter(|_| drawn != Drawn::Lost) {
             self.workspace.say(Gravity::Error, format!("The window's graphics device reports: {complaint}"));
         }
         self.frames += 1;
@@ -369,6 +374,7 @@ impl Shell {
             Drawn::Presented => {
                 self.reopened = 0;
                 self.note_latency();
+                self.places.note_shown(&self.workspace);
             }
             Drawn::Skipped => {}
             Drawn::Again => open.window.request_redraw(),
@@ -381,12 +387,14 @@ impl Shell {
         self.fulfil(event_loop);
     }
 
-    /// Makes the window's device anew. What egui has drawn into textures is drawn again when their greatest size changes.
+    /// Makes the window's device anew. Egui draws its letters into textures again when their greatest size changes, which it
+    /// therefore does by one to and fro; the editors paint their thumbnails and the map again.
     fn reopen(&mut self, event_loop: &ActiveEventLoop) {
         let Some(open) = self.open.take() else {
             return;
         };
         self.reopened += 1;
+        self.losses += 1;
         let Open { window, mut egui, surface } = open;
         drop(surface);
         if self.reopened > MOST_REOPENED {
@@ -396,7 +404,8 @@ impl Shell {
         }
         match Surface::new(event_loop, Arc::clone(&window)) {
             Ok(surface) => {
-                egui.set_max_texture_side((surface.largest() - self.reopened) as usize);
+                egui.set_max_texture_side((surface.largest() - self.losses % 2) as usize);
+                self.workspace.layout.editors.forget_textures();
                 self.workspace.say(Gravity::Notice, "The graphics device was lost and has been opened again.");
                 window.request_redraw();
                 self.open = Some(Open { window, egui, surface });

@@ -3,6 +3,7 @@
 //! A surface of no size or beyond the largest texture is a validation error, so the first is not drawn and the second is
 //! clamped. A lost or outdated surface is configured again; after a lost device everything here is made anew.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -13,6 +14,9 @@ use winit::window::Window;
 
 use super::AppError;
 use super::viewport::Screen;
+
+/// Surfaces that are made anew in a row before the device is held to be lost.
+const MOST_REMADE: u32 = 8;
 
 /// What became of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,6 +42,10 @@ pub struct Surface {
     largest: u32,
     renderer: Renderer,
     lost: Arc<AtomicBool>,
+    /// Surfaces that were made anew since the last one that could be drawn on.
+    remade: u32,
+    #[cfg(debug_assertions)]
+    surface_lost: bool,
     reported: Arc<Mutex<Option<String>>>,
 }
 
@@ -63,10 +71,8 @@ impl Surface {
         let lost: Arc<AtomicBool> = Arc::default();
         let noticed = Arc::clone(&lost);
         device.set_device_lost_callback(move |reason, message| {
-            if reason != wgpu::DeviceLostReason::Destroyed {
-                tracing::error!("the window's device was lost: {message}");
-                noticed.store(true, Ordering::Relaxed);
-            }
+            tracing::error!("the window's device was lost ({reason:?}): {message}");
+            noticed.store(true, Ordering::Relaxed);
         });
         let reported: Arc<Mutex<Option<String>>> = Arc::default();
         let kept = Arc::clone(&reported);
@@ -101,7 +107,21 @@ impl Surface {
         renderer.callback_resources.insert(Screen::new(&device, format));
         let largest = device.limits().max_texture_dimension_2d;
         tracing::debug!("window: {}, {format:?}, {present_mode:?}", adapter.get_info().name);
-        let mut new = Surface { window, instance, surface, device, queue, config, largest, renderer, lost, reported };
+        let mut new = Surface {
+            window,
+            instance,
+            surface,
+            device,
+            queue,
+            config,
+            largest,
+            renderer,
+            lost,
+            remade: 0,
+            #[cfg(debug_assertions)]
+            surface_lost: false,
+            reported,
+        };
         new.configure();
         Ok(new)
     }
@@ -137,16 +157,40 @@ impl Surface {
         trace: bool,
     ) -> Drawn {
         // Taken out, not looked at: what is left when a delta is dropped counts as forgotten.
-        for (id, deltas) in std::mem::take(&mut textures.set) {
-            for delta in &deltas {
-                self.renderer.update_texture(&self.device, &self.queue, id, delta);
+        let set = std::mem::take(&mut textures.set);
+        // Egui and wgpu panic where a device goes away between two calls.
+        let drawn = catch_unwind(AssertUnwindSafe(|| {
+            for (id, deltas) in set {
+                for delta in &deltas {
+                    self.renderer.update_texture(&self.device, &self.queue, id, delta);
+                }
             }
-        }
-        let drawn = self.present(shapes, pixels_per_point, trace);
+            self.present(shapes, pixels_per_point, trace)
+        }));
+        let drawn = drawn.unwrap_or(Drawn::Lost);
         for id in std::mem::take(&mut textures.free) {
             self.renderer.free_texture(&id);
         }
         if self.lost.load(Ordering::Relaxed) { Drawn::Lost } else { drawn }
+    }
+
+    /// The texture to draw the next frame into.
+    fn acquire(&mut self) -> Current {
+        #[cfg(debug_assertions)]
+        if std::mem::take(&mut self.surface_lost) {
+            return Current::Lost;
+        }
+        self.surface.get_current_texture()
+    }
+
+    /// Loses the device, or only the surface, as happens when a graphics driver is restarted: for tests.
+    #[cfg(debug_assertions)]
+    pub fn lose(&mut self, only_the_surface: bool) {
+        if only_the_surface {
+            self.surface_lost = true;
+        } else {
+            self.device.destroy();
+        }
     }
 
     fn present(&mut self, shapes: &[egui::ClippedPrimitive], pixels_per_point: f32, trace: bool) -> Drawn {
@@ -155,17 +199,24 @@ impl Surface {
         if clamped != [self.config.width, self.config.height] && !self.configure() || clamped.contains(&0) {
             return Drawn::Skipped;
         }
-        let (frame, stale) = match self.surface.get_current_texture() {
+        let (frame, stale) = match self.acquire() {
             Current::Success(frame) => (frame, false),
             Current::Suboptimal(frame) => (frame, true),
+            Current::Outdated | Current::Lost if self.remade >= MOST_REMADE => return Drawn::Lost,
             Current::Outdated => {
+                self.remade += 1;
                 self.configure();
                 return Drawn::Again;
             }
             Current::Lost => {
+                self.remade += 1;
+                tracing::warn!("the window's surface was lost and is made anew");
                 match self.instance.create_surface(Arc::clone(&self.window)) {
                     Ok(surface) => self.surface = surface,
-                    Err(e) => tracing::error!("the window's surface was lost: {e}"),
+                    Err(e) => {
+                        tracing::error!("the window's surface cannot be made anew: {e}");
+                        return Drawn::Lost;
+                    }
                 }
                 self.configure();
                 return Drawn::Again;
@@ -174,6 +225,7 @@ impl Surface {
             Current::Occluded => return Drawn::Skipped,
             Current::Validation => return Drawn::Lost,
         };
+        self.remade = 0;
         let view = frame.texture.create_view(&Default::default());
         let screen = ScreenDescriptor { size_in_pixels: [self.config.width, self.config.height], pixels_per_point };
         let mut encoder = self.device.create_command_encoder(&Default::default());

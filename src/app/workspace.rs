@@ -305,6 +305,7 @@ impl Workspace {
         }
         self.document = Some(Document::new(file, Arc::new(scene), seen));
         self.scene_number += 1;
+        tracing::debug!("opened {remembered}");
         self.screen = None;
         self.report = None;
         self.refusal = None;
@@ -459,18 +460,25 @@ impl Workspace {
         });
     }
 
+    /// Makes a step of what has changed, unless the hand is still at it.
+    pub fn settle(&mut self, busy: bool) {
+        #[cfg(test)]
+        let busy = busy || super::planted::is(super::planted::Fault::Unsettled);
+        if let Some(document) = self.document.as_mut().filter(|_| !busy) {
+            document.settle();
+        }
+    }
+
     /// One step back.
     pub fn undo(&mut self) {
-        if let Some(document) = &mut self.document {
-            document.undo();
-        }
+        let done = self.document.as_mut().is_some_and(Document::undo);
+        tracing::debug!("{}", if done { "undone" } else { "nothing to undo" });
     }
 
     /// One step forward.
     pub fn redo(&mut self) {
-        if let Some(document) = &mut self.document {
-            document.redo();
-        }
+        let done = self.document.as_mut().is_some_and(Document::redo);
+        tracing::debug!("{}", if done { "redone" } else { "nothing to redo" });
     }
 
     /// Changes the camera as one step.

@@ -272,11 +272,7 @@ impl Gpu {
             note(&reported, if exhausted { GpuError::Exhausted } else { GpuError::Device(error.to_string()) });
         }));
         let lost = Arc::clone(&fault);
-        device.set_device_lost_callback(move |reason, message| {
-            if reason != wgpu::DeviceLostReason::Destroyed {
-                note(&lost, GpuError::Lost(message));
-            }
-        });
+        device.set_device_lost_callback(move |reason, message| note(&lost, GpuError::Lost(format!("{reason:?} {message}"))));
         Ok(Gpu { device, queue, facts: Arc::new(facts), fault })
     }
 

@@ -53,6 +53,12 @@ pub enum ImportError {
         /// How much it needs and how much is allowed.
         cause: String,
     },
+    /// It was called off ([`Cancel`](super::Cancel)).
+    #[error("{file}: called off")]
+    Cancelled {
+        /// The model's file.
+        file: String,
+    },
     /// The scene could not be finished.
     #[error("{file}: {source}")]
     Scene {
@@ -70,6 +76,7 @@ pub(super) enum Fault {
     Invalid { place: String, cause: String },
     Unsupported { place: String, extension: String, cause: String },
     Limit { place: String, cause: String },
+    Cancelled,
     Scene(SceneError),
 }
 
@@ -98,6 +105,7 @@ impl Fault {
                 ImportError::Unsupported { file, place: line(place), extension: line(extension), cause: line(cause) }
             }
             Fault::Limit { place, cause } => ImportError::Limit { file, place: line(place), cause: line(cause) },
+            Fault::Cancelled => ImportError::Cancelled { file },
             Fault::Scene(source) => ImportError::Scene { file, source },
         }
     }

@@ -56,6 +56,7 @@ pub(super) fn read<'a>(
     let read: Vec<Fallible<(usize, Option<Primitive>, Notices)>> = primitives
         .into_par_iter()
         .map(|(mesh, place, source)| {
+            options.cancel.go_on()?;
             let mut notices = Notices::default();
             context.primitive(source, &place, &mut notices).map(|p| (mesh, p, notices))
         })

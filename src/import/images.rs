@@ -10,7 +10,7 @@ use image::{DynamicImage, ImageDecoder, ImageReader};
 use rayon::prelude::*;
 
 use super::accessor::Data;
-use super::{Fallible, Fault, Limits, Notices, uri};
+use super::{Fallible, Fault, ImportOptions, Limits, Notices, uri};
 use crate::scene::{Image, NoticeKind};
 
 /// All images of the file, used or not.
@@ -18,9 +18,10 @@ pub(super) fn read(
     root: &Root,
     data: &Data,
     folder: Option<&Path>,
-    limits: &Limits,
+    options: &ImportOptions,
     notices: &mut Notices,
 ) -> Fallible<Vec<Arc<Image>>> {
+    let limits = &options.limits;
     let mut encoded: Vec<(String, Cow<[u8]>)> = Vec::new();
     let mut pixels = 0_u64;
     for (i, image) in root.images.iter().enumerate() {
@@ -42,6 +43,7 @@ pub(super) fn read(
         .into_par_iter()
         .enumerate()
         .map(|(i, (place, bytes))| {
+            options.cancel.go_on()?;
             let (mut image, deep) = decode(&bytes, &place, limits)?;
             let source = &root.images[i];
             image.name = match (&source.name, &source.uri) {

@@ -37,6 +37,8 @@ mod uri;
 mod tests;
 
 use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::scene::Scene;
 
@@ -55,11 +57,45 @@ pub struct ImportOptions {
     pub reweight_normals: bool,
     /// How much is taken.
     pub limits: Limits,
+    /// Asked between phases, images and primitives.
+    pub cancel: Cancel,
 }
 
 impl Default for ImportOptions {
     fn default() -> ImportOptions {
-        ImportOptions { crease_angle: 30.0, reweight_normals: true, limits: Limits::default() }
+        ImportOptions {
+            crease_angle: 30.0,
+            reweight_normals: true,
+            limits: Limits::default(),
+            cancel: Cancel::default(),
+        }
+    }
+}
+
+/// A flag by which an import is called off from another thread; copies share it.
+#[derive(Clone, Debug, Default)]
+pub struct Cancel(Arc<AtomicBool>);
+
+impl Cancel {
+    /// Calls it off: whatever asks ends with [`ImportError::Cancelled`] soon.
+    pub fn cancel(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether it has been called off.
+    pub fn is_cancelled(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+
+    fn go_on(&self) -> Fallible<()> {
+        if self.is_cancelled() { Err(Fault::Cancelled) } else { Ok(()) }
+    }
+}
+
+impl PartialEq for Cancel {
+    /// Always: options that differ in nothing else read the same scene.
+    fn eq(&self, _: &Cancel) -> bool {
+        true
     }
 }
 
@@ -151,7 +187,8 @@ fn import(bytes: &[u8], name: &str, folder: Option<&Path>, options: &ImportOptio
     let root = &document.root;
     let buffers = buffers::read(root, parts.binary, folder, &options.limits, &mut notices)?;
     let data = accessor::Data::new(root, &buffers, &options.limits)?;
-    let images = images::read(root, &data, folder, &options.limits, &mut notices)?;
+    options.cancel.go_on()?;
+    let images = images::read(root, &data, folder, options, &mut notices)?;
     let mut textures = materials::textures(root, images.len(), &mut notices)?;
     let mut materials = materials::read(root, textures.len(), &mut notices)?;
     materials::drop_unusable(&mut textures, &mut materials);
@@ -171,6 +208,7 @@ fn import(bytes: &[u8], name: &str, folder: Option<&Path>, options: &ImportOptio
         notices.ignored("the file shows no triangles: the scene is empty".to_owned());
     }
     scene.notices = notices.into_vec();
+    options.cancel.go_on()?;
     let mut scene = scene.finish().map_err(Fault::Scene)?;
     // After finishing, so that cameras are in the re-based space.
     scene.cameras = nodes::cameras(root, &hierarchy.cameras, &scene);

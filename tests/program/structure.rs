@@ -159,3 +159,40 @@ fn no_file_is_longer_than_two_rooms() {
     }
     assert!(long.is_empty(), "over {MOST_LINES} lines:\n{}", long.join("\n"));
 }
+
+/// The tests in a text: name and body.
+fn tests_in(text: &str) -> Vec<(String, String)> {
+    let mut all = Vec::new();
+    for part in text.split("#[test]\n").skip(1) {
+        let Some((head, rest)) = part.trim_start().strip_prefix("fn ").and_then(|p| p.split_once("()")) else {
+            continue;
+        };
+        let body = rest.split("\n}").next().unwrap_or_default();
+        all.push((head.to_owned(), body.to_owned()));
+    }
+    all
+}
+
+/// A panel that no test operates by what a screen reader reads fails here: one of them has to have its name in its own.
+#[test]
+fn every_panel_is_operated_by_a_test_of_its_name() {
+    let panels = repository().join("src/app/panels");
+    let mut texts = vec![panels.join("tests.rs")];
+    texts.extend(files(&panels.join("tests"), ".rs"));
+    let tests: Vec<(String, String)> = texts
+        .iter()
+        .flat_map(|file| tests_in(&std::fs::read_to_string(file).unwrap_or_else(|e| panic!("{}: {e}", file.display()))))
+        .filter(|(_, body)| ["get_by_", "get_all_by_", "click(", "choose("].iter().any(|call| body.contains(call)))
+        .collect();
+    let mut count = 0;
+    for entry in std::fs::read_dir(&panels).unwrap().flatten() {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let Some(panel) = name.strip_suffix(".rs").filter(|p| !["mod", "tests"].contains(p)) else {
+            continue;
+        };
+        let named = tests.iter().any(|(test, _)| test.split('_').any(|word| word == panel));
+        assert!(named, "no test in src/app/panels/tests is named after the panel '{panel}'");
+        count += 1;
+    }
+    assert!(count >= 14 && tests.len() >= count, "{count} panels, {} tests: the search is broken", tests.len());
+}

@@ -43,6 +43,11 @@ impl State {
         self.nudging = false;
     }
 
+    pub(super) fn forget_textures(&mut self) {
+        self.opacity = None;
+        self.counts = None;
+    }
+
     /// The function as a picture.
     pub(super) fn image_of(&mut self, ui: &Ui, function: &TransferFunction) -> TextureHandle {
         let dark = ui.visuals().dark_mode;

@@ -36,6 +36,14 @@ pub struct State {
     presets: presets::State,
 }
 
+impl State {
+    /// All textures are gone, with the device: thumbnails and map are painted again.
+    pub fn forget_textures(&mut self) {
+        self.presets = presets::State::default();
+        self.map.forget_textures();
+    }
+}
+
 /// What an editor did in a frame.
 #[derive(Default)]
 pub struct Edit {

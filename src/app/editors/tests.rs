@@ -48,9 +48,7 @@ fn window(source: TransferSource) -> Window {
     let show = |ui: &mut egui::Ui, workspace: &mut Workspace| {
         panels::show(ui, workspace);
         let held = ui.input(|i| i.pointer.any_down());
-        if let Some(document) = workspace.document.as_mut().filter(|_| !held) {
-            document.settle();
-        }
+        workspace.settle(held);
     };
     let mut harness =
         Harness::builder().with_size(vec2(1280.0, 700.0)).with_step_dt(0.02).build_ui_state(show, workspace);

@@ -9,6 +9,7 @@ use std::sync::LazyLock;
 use egui::{Align, CollapsingHeader, Color32, ComboBox, DragValue, Layout, RichText, Slider, TextEdit, Ui, vec2};
 
 use crate::app::workspace::{Gravity, Workspace};
+use crate::export::image::parse_background;
 use crate::settings::{CaptureKind, Declaration, OpacityModel, Range, Settings};
 use crate::transfer;
 
@@ -74,9 +75,20 @@ pub fn show(ui: &mut Ui, workspace: &mut Workspace) {
         );
     }
     if let Some((path, text)) = change
-        && let Err(e) = settings.set(path, &text)
+        && let Err(reason) = sound(path, &text).and_then(|()| settings.set(path, &text).map_err(|e| e.to_string()))
     {
-        workspace.say(Gravity::Error, e.to_string());
+        workspace.say(Gravity::Error, reason);
+    }
+}
+
+/// Whether the command line would take a text that settings keep as it is: a picture cannot show what is no colour.
+fn sound(path: &str, text: &str) -> Result<(), String> {
+    match path {
+        "image.background" => parse_background(text).map(|_| ()),
+        "outline.color" if transfer::hex(text).is_none() => {
+            Err(format!("outline.color '{text}': expected the form #rrggbb"))
+        }
+        _ => Ok(()),
     }
 }
 

@@ -1,5 +1,7 @@
 //! The panels by what a screen reader reads: labels, roles, values.
 
+mod every_panel;
+
 use std::sync::Arc;
 
 use egui_kittest::Harness;

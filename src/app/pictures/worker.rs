@@ -18,6 +18,9 @@ use crate::gpu::{Gpu, GpuError, GpuOptions, Timing};
 use crate::render::{FrameReport, GpuScene, Kept, RenderError, Renderer};
 use crate::scene::{Arrangement, Scene};
 
+#[cfg(test)]
+mod tests;
+
 /// Triangles of a preview on a software rasterizer.
 const SOFTWARE_TRIANGLES: u64 = 15_000;
 
@@ -388,34 +391,40 @@ impl Studio {
         Ok(bench)
     }
 
-    /// The layers under a pixel. What fails is said, and nothing is picked.
+    /// The layers under a pixel. What fails is said, and nothing is picked. A device that failed is given up and another one
+    /// tried, once.
     fn pick(&mut self, order: &PickOrder) -> Option<Delivery> {
-        let result = catch_unwind(AssertUnwindSafe(|| {
-            let bench = self.prepare(&order.scene, order.scene_number, &order.seen.arrangement)?;
-            let Some(uploaded) = &bench.scene else {
-                return Ok(Vec::new());
-            };
-            let Seen { camera, settings, .. } = &order.seen;
-            bench.renderer.pick(&uploaded.scene, camera, settings, order.size, order.pixel)
-        }));
-        match result {
-            Ok(Ok(layers)) => Some(Delivery::Picked(Picked {
-                scene_number: order.scene_number,
-                wish: order.wish,
-                pixel: order.pixel,
-                of: order.seen.camera,
-                layers,
-            })),
-            Ok(Err(RenderError::Cancelled)) => None,
-            Ok(Err(error)) => {
-                tracing::warn!("nothing could be picked: {error}");
-                None
-            }
-            Err(_) => {
-                self.bench = None;
-                None
+        for _ in 0..2 {
+            let result = catch_unwind(AssertUnwindSafe(|| {
+                let bench = self.prepare(&order.scene, order.scene_number, &order.seen.arrangement)?;
+                let Some(uploaded) = &bench.scene else {
+                    return Ok(Vec::new());
+                };
+                let Seen { camera, settings, .. } = &order.seen;
+                bench.renderer.pick(&uploaded.scene, camera, settings, order.size, order.pixel)
+            }));
+            match result {
+                Ok(Ok(layers)) => {
+                    return Some(Delivery::Picked(Picked {
+                        scene_number: order.scene_number,
+                        wish: order.wish,
+                        pixel: order.pixel,
+                        of: order.seen.camera,
+                        layers,
+                    }));
+                }
+                Ok(Err(RenderError::Cancelled)) => return None,
+                Ok(Err(error)) => {
+                    tracing::warn!("nothing could be picked: {error}");
+                    if !matches!(error, RenderError::Gpu(_)) {
+                        return None;
+                    }
+                    self.bench = None;
+                }
+                Err(_) => self.bench = None,
             }
         }
+        None
     }
 
     fn draw(&mut self, order: &Order) -> Result<Picture, RenderError> {

@@ -1,0 +1,343 @@
+//! What the other tests of panels leave out, so that each panel is operated by name (`tests/program/structure.rs` counts them).
+
+use egui::accesskit::{Role, Toggled};
+use egui_kittest::kittest::NodeT;
+
+use super::*;
+use crate::app::camera::Habits;
+use crate::app::config::Theme;
+use crate::app::exports::Form;
+use crate::app::pictures::Kind;
+use crate::app::viewport::Shown;
+use crate::app::workspace::{LoadingView, OnScreen, Prompt};
+
+type Window = Harness<'static, Workspace>;
+
+fn click(window: &mut Window, label: &str) {
+    window.get_by_label(label).click();
+    window.run();
+}
+
+/// Opens a menu and clicks on one of its items, whose name may go on with its keys.
+fn choose(window: &mut Window, menu: &str, item: &str) {
+    // A panel may have the name of a menu; its heading is no button.
+    window.get_by_role_and_label(Role::Button, menu).click();
+    window.run();
+    let found = window.get_all_by_label_contains(item).find(|n| n.accesskit_node().role() != Role::Label);
+    found.unwrap_or_else(|| panic!("{menu}: {item}")).click();
+    window.run();
+}
+
+fn seen(window: &Window) -> Seen {
+    window.state().document.as_ref().unwrap().seen.clone()
+}
+
+fn type_into(window: &mut Window, label: &str, text: &str) {
+    window.get_by_label(label).focus();
+    window.run();
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::A);
+    window.get_by_label(label).type_text(text);
+    window.run();
+}
+
+#[test]
+fn the_menu_of_files_asks_for_what_it_says() {
+    let mut with_recent = workspace("stack");
+    with_recent.preferences.recent = vec!["/models/pump.glb".to_owned()];
+    let mut window = harness(with_recent);
+    for (item, ask) in [
+        ("Open…", Ask::Choose(Choice::Open)),
+        ("Save session…", Ask::Choose(Choice::SaveSession)),
+        ("Save picture…", Ask::Choose(Choice::SavePicture)),
+        ("Quit", Ask::Quit),
+    ] {
+        choose(&mut window, "File", item);
+        assert_eq!(std::mem::take(&mut window.state_mut().asks), [ask], "{item}");
+    }
+    choose(&mut window, "File", "Copy as command line");
+    let asks = std::mem::take(&mut window.state_mut().asks);
+    assert!(matches!(&asks[..], [Ask::Copy(line)] if line.starts_with("pellucid render builtin:stack")), "{asks:?}");
+    choose(&mut window, "File", "Open recent");
+    window.get_by_label("pump.glb").click();
+    window.run();
+    assert_eq!(std::mem::take(&mut window.state_mut().asks), [Ask::Open("/models/pump.glb".to_owned())]);
+    choose(&mut window, "File", "Built-in models");
+    window.get_by_label("engine").click();
+    window.run();
+    assert_eq!(std::mem::take(&mut window.state_mut().asks), [Ask::Open("builtin:engine".to_owned())]);
+    choose(&mut window, "File", "Write pictures…");
+    assert!(window.state().layout.export.is_some());
+}
+
+#[test]
+fn the_menu_undoes_resets_and_moves_the_camera() {
+    let mut window = harness(workspace("stack"));
+    let first = seen(&window);
+    choose(&mut window, "View", "Front");
+    choose(&mut window, "View", "Perspective or parallel");
+    let turned = seen(&window);
+    assert!(turned.camera.projection != first.camera.projection && turned.camera.position != first.camera.position);
+    choose(&mut window, "Edit", "Undo");
+    assert_eq!(seen(&window).camera.projection, first.camera.projection);
+    choose(&mut window, "Edit", "Redo");
+    assert_eq!(seen(&window), turned);
+    window.state_mut().document.as_mut().unwrap().seen.settings.opacity.gain = 3.0;
+    choose(&mut window, "Edit", "Reset all settings");
+    assert_eq!(*settings(&window), Settings::default());
+    choose(&mut window, "View", "Show everything");
+    assert_ne!(seen(&window).camera, turned.camera);
+}
+
+#[test]
+fn the_menu_of_parts_acts_on_what_is_selected() {
+    let mut window = harness(workspace("stack"));
+    let presence = |w: &Window, part| arrangement(w).look(part).presence;
+    window.state_mut().document.as_mut().unwrap().seen.arrangement.selected = [1].into();
+    window.run();
+    for (item, own, other) in [
+        ("Ghost selection", Presence::Ghosted, Presence::Shown),
+        ("Hide selection", Presence::Hidden, Presence::Shown),
+        ("Show every part", Presence::Shown, Presence::Shown),
+        ("Isolate selection", Presence::Shown, Presence::Ghosted),
+    ] {
+        choose(&mut window, "Parts", item);
+        assert_eq!((presence(&window, 1), presence(&window, 0)), (own, other), "{item}");
+    }
+}
+
+#[test]
+fn the_menu_shows_and_hides_panels_and_remembers_that() {
+    let mut window = harness(workspace("stack"));
+    for (item, inside) in [("Parts", "Search parts"), ("Stages", "1  Capture"), ("Transfer functions", "Opacity curve")] {
+        for there in [false, true] {
+            click(&mut window, "View");
+            let switch = window.get_by_role_and_label(Role::CheckBox, item);
+            switch.click();
+            window.run();
+            window.key_press(egui::Key::Escape);
+            window.run();
+            assert_eq!(window.query_by_label(inside).is_some(), there, "{item}");
+        }
+    }
+    assert!(window.state().asks.contains(&Ask::Remember));
+    click(&mut window, "View");
+    window.get_by_label_contains("Mouse as in").click();
+    window.run();
+    click(&mut window, "Blender");
+    assert_eq!(window.state().preferences.mouse, Habits::Blender);
+}
+
+#[test]
+fn the_style_follows_theme_and_size() {
+    let mut window = harness(workspace("stack"));
+    for (name, theme, dark) in [("Light", Theme::Light, false), ("Dark", Theme::Dark, true)] {
+        click(&mut window, "View");
+        window.get_by_label_contains("Theme").click();
+        window.run();
+        // A stage is called Light too; the menu comes last.
+        let button = window.get_all_by_label(name).find(|n| n.accesskit_node().role() == Role::RadioButton);
+        button.unwrap().click();
+        window.run();
+        assert_eq!((window.state().preferences.theme, window.ctx.global_style().visuals.dark_mode), (theme, dark));
+        window.key_press(egui::Key::Escape);
+        window.run();
+    }
+    click(&mut window, "View");
+    window.get_by_label_contains("Size of the interface").click();
+    window.run();
+    click(&mut window, "125 %");
+    assert_eq!((window.state().preferences.scale, window.ctx.zoom_factor()), (1.25, 1.25));
+}
+
+#[test]
+fn messages_tell_how_far_loading_is_and_let_it_be_called_off() {
+    let mut window = harness(workspace("stack"));
+    let loading = |share| Some(LoadingView { file: "pump.glb".to_owned(), doing: "Reading", share });
+    window.state_mut().loading = loading(Some(0.5));
+    window.run();
+    window.get_by_label("Reading pump.glb");
+    click(&mut window, "Cancel");
+    assert_eq!(std::mem::take(&mut window.state_mut().asks), [Ask::CancelLoading]);
+    window.state_mut().loading = None;
+    window.state_mut().refusal = Some("too deep".to_owned());
+    window.state_mut().say(Gravity::Notice, "one thing\nand another");
+    window.run();
+    window.get_by_label("No exact picture: too deep");
+    click(&mut window, "2 notices about this file");
+    window.get_by_label("and another");
+}
+
+#[test]
+fn messages_ask_for_a_path_where_there_is_no_dialog() {
+    for (choice, word) in [(Choice::SaveSession, "Save"), (Choice::Open, "Open"), (Choice::ImportTransfer, "Import")] {
+        let mut window = harness(workspace("stack"));
+        window.state_mut().layout.prompt = Some(Prompt { choice, path: "old".to_owned() });
+        window.run();
+        type_into(&mut window, "Path", "/tmp/new.toml");
+        click(&mut window, word);
+        assert_eq!(window.state().asks, [Ask::Use(choice, "/tmp/new.toml".to_owned())]);
+        assert!(window.state().layout.prompt.is_none());
+    }
+}
+
+#[test]
+fn the_status_names_the_kind_of_picture() {
+    let mut window = harness(workspace("stack"));
+    window.get_by_label("starting the renderer");
+    let now = seen(&window);
+    let shown = Arc::new(Shown { serial: 1, size: [4, 3], rgba: vec![0; 48], background: None });
+    let on_screen = |kind| OnScreen {
+        shown: Arc::clone(&shown),
+        number: 7,
+        kind,
+        view: (now.camera, [4, 3]),
+        look: (now.settings.clone(), now.arrangement.clone()),
+        size: [4, 3],
+        milliseconds: 1234.4,
+    };
+    window.state_mut().order = 7;
+    window.state_mut().adapter = Some("an adapter".to_owned());
+    for (kind, word) in [(Kind::Exact, "exact"), (Kind::Preview, "preview")] {
+        window.state_mut().screen = Some(on_screen(kind));
+        window.run();
+        for label in [word, "4×3", "1\u{202f}234 ms", "an adapter"] {
+            window.get_by_label(label);
+        }
+    }
+    // An exact picture of what was seen before is none of what is seen now.
+    window.state_mut().screen = Some(on_screen(Kind::Exact));
+    window.state_mut().order = 8;
+    window.run();
+    window.get_by_label("preview");
+}
+
+#[test]
+fn the_stack_acts_on_the_selection() {
+    let mut window = harness(workspace("stack"));
+    let at = glam::DVec3::ZERO;
+    window.state_mut().document.as_mut().unwrap().seen.arrangement.selected = [2].into();
+    for (button, of_two, of_one) in [
+        ("Isolate the selection", Presence::Shown, Presence::Ghosted),
+        ("Hide the selection", Presence::Hidden, Presence::Ghosted),
+    ] {
+        let list = picked(window.state(), Wish::List, &[(1, at), (2, at)]);
+        window.state_mut().take_picked(list);
+        window.run();
+        click(&mut window, button);
+        assert!(window.state().layout.stack.is_none(), "it closes");
+        assert_eq!(arrangement(&window).look(2).presence, of_two, "{button}");
+        assert_eq!(arrangement(&window).look(1).presence, of_one, "{button}");
+    }
+}
+
+#[test]
+fn the_parts_panel_lists_layers_at_the_click() {
+    let mut window = harness(workspace("stack"));
+    let at = glam::DVec3::ZERO;
+    let found = picked(window.state(), Wish::Select { more: false }, &[(1, at), (2, at), (3, at)]);
+    window.state_mut().take_picked(found);
+    window.run();
+    assert_eq!(arrangement(&window).selected, [1].into());
+    let third = format!("3  {}", window.state().document.as_ref().unwrap().scene.parts[3].name);
+    click(&mut window, &third);
+    assert_eq!(arrangement(&window).selected, [3].into());
+}
+
+#[test]
+fn sections_are_turned_flipped_and_left_open() {
+    let mut window = harness(workspace("stack"));
+    click(&mut window, "Sections");
+    click(&mut window, "Add a section across x");
+    let section = |w: &Window| arrangement(w).sections[0];
+    let added = section(&window);
+    click(&mut window, "Flip");
+    assert_eq!((section(&window).normal, section(&window).offset), (-added.normal, -added.offset));
+    click(&mut window, "Caps");
+    assert!(!section(&window).caps);
+    let list = window.get_all_by_role(Role::ComboBox).find(|n| n.value().as_deref() == Some("−x"));
+    list.expect("the list of directions").click();
+    window.run();
+    click(&mut window, "+z");
+    assert_eq!(section(&window).normal, glam::DVec3::Z);
+    window.get_by_role_and_label(Role::CheckBox, "Section 1");
+    let enabled = window.get_by_label("Section 1").accesskit_node().toggled();
+    assert_eq!(enabled, Some(Toggled::True));
+}
+
+#[test]
+fn stages_take_text_when_it_is_entered() {
+    let mut window = harness(workspace("stack"));
+    click(&mut window, "Picture");
+    let background = |w: &Window| settings(w).image.background.clone();
+    let field = |w: &Window| {
+        let all: Vec<_> = w.get_all_by_label("Background").collect();
+        let text = all.iter().find(|n| n.accesskit_node().role() == Role::TextInput).expect("a field").rect();
+        text.center()
+    };
+    for (text, there) in [("#102030", "#102030"), ("no colour", "#102030")] {
+        let at = field(&window);
+        for pressed in [true, false] {
+            let button = egui::PointerButton::Primary;
+            window.event(egui::Event::PointerMoved(at));
+            window.event(egui::Event::PointerButton { pos: at, button, pressed, modifiers: Default::default() });
+        }
+        window.run();
+        window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::A);
+        window.event(egui::Event::Text(text.to_owned()));
+        window.run();
+        assert_ne!(background(&window), text, "not while it is typed");
+        assert!(window.state().messages.is_empty());
+        window.key_press(egui::Key::Enter);
+        window.run();
+        assert_eq!(background(&window), there);
+    }
+    assert!(window.state().messages.last().is_some_and(|m| m.gravity == Gravity::Error), "what is no colour is said");
+}
+
+#[test]
+fn shortcuts_are_listed_and_put_away() {
+    let mut window = harness(workspace("stack"));
+    choose(&mut window, "Help", "Keyboard and mouse");
+    assert!(window.state().layout.shortcuts);
+    for (keys, what) in super::super::shortcuts::KEYS {
+        assert!(window.query_all_by_label(what).next().is_some(), "{keys}");
+    }
+    click(&mut window, "Close window");
+    assert!(!window.state().layout.shortcuts);
+}
+
+#[test]
+fn the_export_panel_takes_sizes_and_frames() {
+    let mut window = harness(workspace("stack"));
+    window.state_mut().layout.export = Some(Form { size: [64, 48], background: true, turntable: true, frames: 72 });
+    window.run();
+    let frames = |w: &Window| w.state().layout.export.as_ref().map(|f| f.frames);
+    window.get_by_role_and_label(Role::SpinButton, "Frames").increment_accesskit();
+    window.run();
+    assert_eq!(frames(&window), Some(73));
+    let viewport = window.state().viewport.size;
+    click(&mut window, "As seen");
+    assert_eq!(window.state().layout.export.as_ref().map(|f| f.size), Some(viewport));
+    click(&mut window, "Close window");
+    assert!(window.state().layout.export.is_none());
+}
+
+#[test]
+fn the_measure_panel_chooses_the_layer_of_an_end() {
+    let mut measuring = workspace("stack");
+    measuring.measure.on = true;
+    let (a, b) = (glam::DVec3::ZERO, glam::DVec3::new(0.0, 0.0, 2.0));
+    let mut window = harness(measuring);
+    for layers in [vec![(0, a), (1, -b)], vec![(2, b)]] {
+        let found = picked(window.state(), Wish::Measure, &layers);
+        window.state_mut().take_picked(found);
+        window.run();
+    }
+    window.get_by_label("Length 2");
+    click(&mut window, "From: which layer under the click");
+    let second = format!("2  {}", window.state().document.as_ref().unwrap().scene.parts[1].name);
+    click(&mut window, &second);
+    window.get_by_label("Length 4");
+    click(&mut window, "Close window");
+    assert!(!window.state().measure.on);
+}
