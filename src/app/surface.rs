@@ -3,6 +3,8 @@
 //! A surface of no size or beyond the largest texture is a validation error, so the first is not drawn and the second is
 //! clamped. A lost or outdated surface is configured again; after a lost device everything here is made anew.
 
+mod damage;
+
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -12,11 +14,20 @@ use wgpu::CurrentSurfaceTexture as Current;
 use winit::event_loop::ActiveEventLoop;
 use winit::window::Window;
 
+use damage::Damage;
+
 use super::AppError;
 use super::viewport::Screen;
 
 /// Surfaces that are made anew in a row before the device is held to be lost.
 const MOST_REMADE: u32 = 8;
+
+/// The window's last frame.
+struct Canvas {
+    /// As large as the surface, once there has been a frame.
+    texture: Option<wgpu::Texture>,
+    damage: Damage,
+}
 
 /// What became of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,6 +52,8 @@ pub struct Surface {
     config: wgpu::SurfaceConfiguration,
     largest: u32,
     renderer: Renderer,
+    /// The window's last frame, where only what has changed is drawn: on a software rasterizer.
+    canvas: Option<Canvas>,
     lost: Arc<AtomicBool>,
     /// Surfaces that were made anew since the last one that could be drawn on.
     remade: u32,
@@ -102,6 +115,11 @@ impl Surface {
         config.format = format;
         config.present_mode = present_mode;
         config.desired_maximum_frame_latency = 1;
+        let software = adapter.get_info().device_type == wgpu::DeviceType::Cpu;
+        let canvas = (software && capabilities.usages.contains(wgpu::TextureUsages::COPY_DST)).then(|| {
+            config.usage |= wgpu::TextureUsages::COPY_DST;
+            Canvas { texture: None, damage: Damage::default() }
+        });
         let options = RendererOptions { dithering: false, ..Default::default() };
         let mut renderer = Renderer::new(&device, format, options);
         renderer.callback_resources.insert(Screen::new(&device, format));
@@ -116,6 +134,7 @@ impl Surface {
             config,
             largest,
             renderer,
+            canvas,
             lost,
             remade: 0,
             #[cfg(debug_assertions)]
@@ -158,6 +177,12 @@ impl Surface {
     ) -> Drawn {
         // Taken out, not looked at: what is left when a delta is dropped counts as forgotten.
         let set = std::mem::take(&mut textures.set);
+        if let Some(canvas) = &mut self.canvas
+            && !set.is_empty()
+        {
+            // The same shapes look different with other textures.
+            canvas.damage.forget();
+        }
         // Egui and wgpu panic where a device goes away between two calls.
         let drawn = catch_unwind(AssertUnwindSafe(|| {
             for (id, deltas) in set {
@@ -226,21 +251,27 @@ impl Surface {
             Current::Validation => return Drawn::Lost,
         };
         self.remade = 0;
-        let view = frame.texture.create_view(&Default::default());
         let screen = ScreenDescriptor { size_in_pixels: [self.config.width, self.config.height], pixels_per_point };
         let mut encoder = self.device.create_command_encoder(&Default::default());
+        let kept = self.canvas.is_some();
+        let (target, patches) = match &mut self.canvas {
+            None => (&frame.texture, None),
+            Some(canvas) => canvas.begin(&self.device, &frame.texture, shapes, pixels_per_point),
+        };
+        let patch = patches.as_deref();
+        let (shapes, load) = match patch {
+            None => (shapes, wgpu::LoadOp::Clear(wgpu::Color::BLACK)),
+            Some(patch) => (patch, wgpu::LoadOp::Load),
+        };
         let extra = self.renderer.update_buffers(&self.device, &self.queue, &mut encoder, shapes, &screen);
         {
             let pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some("window"),
                 color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                    view: &view,
+                    view: &target.create_view(&Default::default()),
                     depth_slice: None,
                     resolve_target: None,
-                    ops: wgpu::Operations {
-                        load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
-                        store: wgpu::StoreOp::Store,
-                    },
+                    ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
                 })],
                 depth_stencil_attachment: None,
                 timestamp_writes: None,
@@ -248,6 +279,9 @@ impl Surface {
                 multiview_mask: None,
             });
             self.renderer.render(&mut pass.forget_lifetime(), shapes, &screen);
+        }
+        if kept {
+            encoder.copy_texture_to_texture(target.as_image_copy(), frame.texture.as_image_copy(), target.size());
         }
         self.queue.submit(extra.into_iter().chain([encoder.finish()]));
         self.window.pre_present_notify();
@@ -260,5 +294,39 @@ impl Surface {
             self.configure();
         }
         Drawn::Presented
+    }
+}
+
+impl Canvas {
+    /// Where to draw a frame for this surface, and what: only the patches that differ from what is there, or all of it.
+    fn begin(
+        &mut self,
+        device: &wgpu::Device,
+        surface: &wgpu::Texture,
+        shapes: &[egui::ClippedPrimitive],
+        pixels_per_point: f32,
+    ) -> (&wgpu::Texture, Option<Vec<egui::ClippedPrimitive>>) {
+        let size = surface.size();
+        if self.texture.as_ref().is_some_and(|t| t.size() != size) {
+            self.texture = None;
+        }
+        if self.texture.is_none() {
+            self.damage.forget();
+        }
+        let points = egui::vec2(size.width as f32, size.height as f32) / pixels_per_point;
+        let patches = self.damage.of(shapes, points, pixels_per_point);
+        let texture = self.texture.get_or_insert_with(|| {
+            device.create_texture(&wgpu::TextureDescriptor {
+                label: Some("window"),
+                size,
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: surface.format(),
+                usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+                view_formats: &[],
+            })
+        });
+        (texture, patches.map(|rects| damage::within(shapes, &rects)))
     }
 }

@@ -108,7 +108,8 @@ fn the_menu_of_parts_acts_on_what_is_selected() {
 #[test]
 fn the_menu_shows_and_hides_panels_and_remembers_that() {
     let mut window = harness(workspace("stack"));
-    for (item, inside) in [("Parts", "Search parts"), ("Stages", "1  Capture"), ("Transfer functions", "Opacity curve")] {
+    for (item, inside) in [("Parts", "Search parts"), ("Stages", "1  Capture"), ("Transfer functions", "Opacity curve")]
+    {
         for there in [false, true] {
             click(&mut window, "View");
             let switch = window.get_by_role_and_label(Role::CheckBox, item);
