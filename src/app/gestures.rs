@@ -182,7 +182,8 @@ fn drag(window: &mut Window, from: Pos2, by: egui::Vec2) {
 fn perform(window: &mut Window, gesture: &Gesture) {
     match *gesture {
         Gesture::Step(i, up) => {
-            let all: Vec<_> = [Role::Slider, Role::SpinButton].into_iter().flat_map(|r| window.query_all_by_role(r)).collect();
+            let all: Vec<_> =
+                [Role::Slider, Role::SpinButton].into_iter().flat_map(|r| window.query_all_by_role(r)).collect();
             let node = &all[usize::from(i) % all.len()];
             if up { node.increment_accesskit() } else { node.decrement_accesskit() }
         }

@@ -272,7 +272,9 @@ impl Gpu {
             note(&reported, if exhausted { GpuError::Exhausted } else { GpuError::Device(error.to_string()) });
         }));
         let lost = Arc::clone(&fault);
-        device.set_device_lost_callback(move |reason, message| note(&lost, GpuError::Lost(format!("{reason:?} {message}"))));
+        device.set_device_lost_callback(move |reason, message| {
+            note(&lost, GpuError::Lost(format!("{reason:?} {message}")))
+        });
         Ok(Gpu { device, queue, facts: Arc::new(facts), fault })
     }
 

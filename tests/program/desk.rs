@@ -275,7 +275,9 @@ impl Desk {
             let x = (place.left + place.right) / 2;
             // What lies below the panels beside the picture is scrolled out of them, or in the editors.
             let in_a_panel = (x > picture.right || x < picture.left) && !EDITORS.iter().any(|n| name.starts_with(n));
-            if !in_a_panel || place.bottom <= picture.bottom && (place.top >= picture.top || place.bottom <= picture.top) {
+            if !in_a_panel
+                || place.bottom <= picture.bottom && (place.top >= picture.top || place.bottom <= picture.top)
+            {
                 return place;
             }
             let turn = if place.bottom > picture.bottom { 5 } else { 4 };
@@ -367,7 +369,8 @@ impl Desk {
 
     /// Drops a file on the window, as a file manager does.
     pub fn drop_file(&self, path: &Path) {
-        let found = Command::new("xdotool").args(["search", "--name", "Pellucid"]).env("DISPLAY", &self.display).output();
+        let found =
+            Command::new("xdotool").args(["search", "--name", "Pellucid"]).env("DISPLAY", &self.display).output();
         let found = String::from_utf8(found.unwrap().stdout).unwrap();
         let window = found.lines().next().and_then(|l| l.trim().parse().ok()).unwrap();
         drop_source::drop_file(&self.display, window, path).unwrap();

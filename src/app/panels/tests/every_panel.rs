@@ -108,7 +108,8 @@ fn the_menu_of_parts_acts_on_what_is_selected() {
 #[test]
 fn the_menu_shows_and_hides_panels_and_remembers_that() {
     let mut window = harness(workspace("stack"));
-    for (item, inside) in [("Parts", "Search parts"), ("Stages", "1  Capture"), ("Transfer functions", "Opacity curve")] {
+    for (item, inside) in [("Parts", "Search parts"), ("Stages", "1  Capture"), ("Transfer functions", "Opacity curve")]
+    {
         for there in [false, true] {
             click(&mut window, "View");
             let switch = window.get_by_role_and_label(Role::CheckBox, item);
@@ -312,9 +313,14 @@ fn the_export_panel_takes_sizes_and_frames() {
     window.state_mut().layout.export = Some(Form { size: [64, 48], background: true, turntable: true, frames: 72 });
     window.run();
     let frames = |w: &Window| w.state().layout.export.as_ref().map(|f| f.frames);
-    window.get_by_role_and_label(Role::SpinButton, "Frames").increment_accesskit();
+    window.get_by_role_and_label(Role::SpinButton, "Frames").click();
     window.run();
-    assert_eq!(frames(&window), Some(73));
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::A);
+    window.event(egui::Event::Text("90".to_owned()));
+    window.run();
+    window.key_press(egui::Key::Enter);
+    window.run();
+    assert_eq!(frames(&window), Some(90));
     let viewport = window.state().viewport.size;
     click(&mut window, "As seen");
     assert_eq!(window.state().layout.export.as_ref().map(|f| f.size), Some(viewport));
