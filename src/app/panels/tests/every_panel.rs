@@ -153,8 +153,8 @@ fn the_style_follows_theme_and_size() {
 #[test]
 fn messages_tell_how_far_loading_is_and_let_it_be_called_off() {
     let mut window = harness(workspace("stack"));
-    let loading = |share| Some(LoadingView { file: "pump.glb".to_owned(), doing: "Reading", share });
-    window.state_mut().loading = loading(Some(0.5));
+    let half = LoadingView { file: "pump.glb".to_owned(), doing: "Reading", share: Some(0.5) };
+    window.state_mut().loading = Some(half);
     window.run();
     window.get_by_label("Reading pump.glb");
     click(&mut window, "Cancel");
