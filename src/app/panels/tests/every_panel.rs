@@ -153,8 +153,8 @@ fn the_style_follows_theme_and_size() {
 #[test]
 fn messages_tell_how_far_loading_is_and_let_it_be_called_off() {
     let mut window = harness(workspace("stack"));
-    let loading = |share| Some(LoadingView { file: "pump.glb".to_owned(), doing: "Reading", share });
-    window.state_mut().loading = loading(Some(0.5));
+    let half = LoadingView { file: "pump.glb".to_owned(), doing: "Reading", share: Some(0.5) };
+    window.state_mut().loading = Some(half);
     window.run();
     window.get_by_label("Reading pump.glb");
     click(&mut window, "Cancel");
@@ -313,9 +313,14 @@ fn the_export_panel_takes_sizes_and_frames() {
     window.state_mut().layout.export = Some(Form { size: [64, 48], background: true, turntable: true, frames: 72 });
     window.run();
     let frames = |w: &Window| w.state().layout.export.as_ref().map(|f| f.frames);
-    window.get_by_role_and_label(Role::SpinButton, "Frames").increment_accesskit();
+    window.get_by_role_and_label(Role::SpinButton, "Frames").click();
     window.run();
-    assert_eq!(frames(&window), Some(73));
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::A);
+    window.event(egui::Event::Text("90".to_owned()));
+    window.run();
+    window.key_press(egui::Key::Enter);
+    window.run();
+    assert_eq!(frames(&window), Some(90));
     let viewport = window.state().viewport.size;
     click(&mut window, "As seen");
     assert_eq!(window.state().layout.export.as_ref().map(|f| f.size), Some(viewport));
