@@ -124,6 +124,8 @@ struct Shell {
     /// Inputs that no frame answers yet, and those of which no picture is drawn yet: of which order, and when they came.
     inputs: VecDeque<(u64, Instant)>,
     undrawn: VecDeque<(u64, Instant)>,
+    /// The last of them, until its exact picture is there.
+    last_input: Option<(u64, Instant)>,
     /// When the event at hand came.
     now: Instant,
     places: places::Places,
@@ -169,6 +171,7 @@ impl Shell {
             frames: 0,
             inputs: VecDeque::new(),
             undrawn: VecDeque::new(),
+            last_input: None,
             now: Instant::now(),
             places: places::Places::default(),
             failure: None,
@@ -320,6 +323,7 @@ impl Shell {
             self.workspace.refusal = None;
             self.inputs.push_back((number, self.now));
             self.undrawn.push_back((number, self.now));
+            self.last_input = Some((number, self.now));
         }
     }
 

@@ -175,14 +175,11 @@ impl Surface {
         pixels_per_point: f32,
         trace: bool,
     ) -> Drawn {
+        if let Some(canvas) = &mut self.canvas {
+            canvas.damage.repaint(&textures);
+        }
         // Taken out, not looked at: what is left when a delta is dropped counts as forgotten.
         let set = std::mem::take(&mut textures.set);
-        if let Some(canvas) = &mut self.canvas
-            && !set.is_empty()
-        {
-            // The same shapes look different with other textures.
-            canvas.damage.forget();
-        }
         // Egui and wgpu panic where a device goes away between two calls.
         let drawn = catch_unwind(AssertUnwindSafe(|| {
             for (id, deltas) in set {

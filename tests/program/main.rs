@@ -5,6 +5,7 @@ mod desk;
 mod drop_source;
 mod hard_cases;
 mod models;
+mod pace;
 mod sessions;
 mod shaders;
 mod structure;

@@ -21,7 +21,8 @@ const SIZE: [u32; 2] = [128, 128];
 /// Extensions without which a file that requires them cannot be read.
 const UNREADABLE: &[&str] = &["KHR_draco_mesh_compression", "EXT_meshopt_compression"];
 
-fn folder() -> Option<PathBuf> {
+/// Where the real models are, if they are.
+pub fn folder() -> Option<PathBuf> {
     if let Some(named) = std::env::var_os("PELLUCID_MODELS").filter(|v| !v.is_empty()) {
         let folder = PathBuf::from(named);
         assert!(folder.is_dir(), "PELLUCID_MODELS names {}, which is no folder", folder.display());

@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use super::Shell;
+use crate::app::pictures::Kind;
 
 impl Shell {
     /// Logs how long inputs waited for the frame that has just been drawn.
@@ -29,6 +30,13 @@ impl Shell {
         {
             self.undrawn.pop_front();
             tracing::debug!("drawn in {:.1} ms, input {number}, {} {}", ms(came), screen.kind.name(), screen.number);
+        }
+        if let Some((number, came)) = self.last_input
+            && screen.kind == Kind::Exact
+            && number == screen.number
+        {
+            self.last_input = None;
+            tracing::debug!("exact in {:.1} ms, input {number}", ms(came));
         }
     }
 }

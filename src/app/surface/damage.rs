@@ -2,22 +2,24 @@
 //!
 //! Egui draws all of a window each time. On a software rasterizer that takes the processor longer than everything else that
 //! answers the mouse, and while a view is turned only the picture changes. So there the window's last frame is kept, what is
-//! to be drawn is compared with what was drawn, and only the rectangles around differences are drawn again, each with
-//! everything that lies in it from the bottom up: the pixels are those of a whole frame.
+//! to be drawn is compared with what was drawn, triangle by triangle (egui makes one mesh of all that a panel holds), and only
+//! rectangles around differences are drawn again, each with everything that lies in it from the bottom up: the pixels are those
+//! of a whole frame.
 
-use std::collections::HashMap;
-use std::collections::hash_map::DefaultHasher;
-use std::hash::{Hash, Hasher};
+use std::collections::{HashMap, HashSet};
+use std::hash::{DefaultHasher, Hash, Hasher};
 
 use egui::epaint::{ClippedPrimitive, Mesh, Primitive, WHITE_UV};
-use egui::{Color32, Pos2, Rect, Vec2};
+use egui::{Color32, Pos2, Rect, TextureId, TexturesDelta, Vec2};
 
 /// Share of the window from which on drawing all of it is as good.
 const MOST: f32 = 0.8;
-/// Rectangles that are drawn one by one; more are drawn as the one around them.
-const MOST_RECTANGLES: usize = 6;
+/// Differences are gathered on a grid of squares with this side, pixels.
+const SQUARE: f32 = 16.0;
+/// Rectangles that are drawn one by one; where more would be needed, some are drawn as the one around them.
+const MOST_RECTANGLES: usize = 12;
 
-/// What is known of something that was drawn.
+/// What is known of a triangle or a callback that was drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Trace {
     /// Equal for equal things; `None` for what may look different each time.
@@ -30,6 +32,8 @@ struct Trace {
 #[derive(Default)]
 pub struct Damage {
     drawn: Option<(Vec2, f32, Vec<Trace>)>,
+    /// Textures that have changed since.
+    repainted: HashSet<TextureId>,
 }
 
 impl Damage {
@@ -38,15 +42,33 @@ impl Damage {
         self.drawn = None;
     }
 
+    /// What is drawn with these textures looks different from now on. Letters that are added to a texture change nothing that
+    /// has been drawn with it, and they come in pieces.
+    pub fn repaint(&mut self, textures: &TexturesDelta) {
+        for (id, deltas) in &textures.set {
+            if *id != TextureId::default() || deltas.iter().any(|d| d.pos.is_none()) {
+                self.repainted.insert(*id);
+            }
+        }
+    }
+
     /// What has to be drawn of `shapes` so that a window of `size` points that shows the last frame shows this one: rectangles
     /// in points on whole pixels, apart from each other. `None` is all of it.
     pub fn of(&mut self, shapes: &[ClippedPrimitive], size: Vec2, pixels_per_point: f32) -> Option<Vec<Rect>> {
         let window = Rect::from_min_size(Pos2::ZERO, size);
-        let new: Vec<Trace> = shapes.iter().map(|s| trace(s, window)).collect();
-        let before = self.drawn.take();
-        let rects = before.filter(|(s, p, _)| (*s, *p) == (size, pixels_per_point)).and_then(|(_, _, old)| {
-            let rects = differences(&old, &new)?;
-            let rects = apart(rects.into_iter().map(|r| on_pixels(r, pixels_per_point).intersect(window)).collect());
+        let repainted = std::mem::take(&mut self.repainted);
+        let before = self.drawn.take().filter(|(s, p, _)| (*s, *p) == (size, pixels_per_point));
+        let new: Vec<Trace> = shapes.iter().flat_map(|s| traces(s, window)).collect();
+        let rects = before.and_then(|(_, _, old)| {
+            let mut differ = differences(&old, &new)?;
+            for shape in shapes {
+                if let Primitive::Mesh(mesh) = &shape.primitive
+                    && repainted.contains(&mesh.texture_id)
+                {
+                    differ.push(shape.clip_rect.intersect(mesh.calc_bounds()).intersect(window));
+                }
+            }
+            let rects = Grid::of(&differ, window, SQUARE / pixels_per_point).rectangles();
             let area: f32 = rects.iter().map(|r| r.area()).sum();
             (area <= MOST * window.area()).then_some(rects)
         });
@@ -76,21 +98,30 @@ pub fn within(shapes: &[ClippedPrimitive], rects: &[Rect]) -> Vec<ClippedPrimiti
     all
 }
 
-fn trace(shape: &ClippedPrimitive, window: Rect) -> Trace {
+/// A trace of every triangle that is in sight, or of the callback.
+fn traces(shape: &ClippedPrimitive, window: Rect) -> Vec<Trace> {
     let clip = shape.clip_rect.intersect(window);
-    match &shape.primitive {
-        Primitive::Mesh(mesh) => {
-            let mut hasher = DefaultHasher::new();
-            let Rect { min, max } = shape.clip_rect;
-            [min.x, min.y, max.x, max.y].map(f32::to_bits).hash(&mut hasher);
-            mesh.texture_id.hash(&mut hasher);
-            mesh.indices.hash(&mut hasher);
-            let vertices: &[u8] = bytemuck::cast_slice(&mesh.vertices);
-            vertices.hash(&mut hasher);
-            Trace { digest: Some(hasher.finish()), rect: clip.intersect(mesh.calc_bounds().expand(1.0)) }
+    let mesh = match &shape.primitive {
+        Primitive::Mesh(mesh) => mesh,
+        Primitive::Callback(callback) => return vec![Trace { digest: None, rect: clip.intersect(callback.rect) }],
+    };
+    let Rect { min, max } = shape.clip_rect;
+    let mut hasher = DefaultHasher::new();
+    [min.x, min.y, max.x, max.y].map(f32::to_bits).hash(&mut hasher);
+    mesh.texture_id.hash(&mut hasher);
+    let common = hasher.finish();
+    let corner = |&index: &u32| mesh.vertices.get(index as usize).copied().unwrap_or_default();
+    let of = |triangle: &[u32]| {
+        let mut hasher = DefaultHasher::new();
+        common.hash(&mut hasher);
+        let mut bounds = Rect::NOTHING;
+        for vertex in triangle.iter().map(corner) {
+            bounds.extend_with(vertex.pos);
+            hasher.write(bytemuck::bytes_of(&vertex));
         }
-        Primitive::Callback(callback) => Trace { digest: None, rect: clip.intersect(callback.rect) },
-    }
+        Trace { digest: Some(hasher.finish()), rect: clip.intersect(bounds) }
+    };
+    mesh.indices.chunks_exact(3).map(of).filter(|t| t.rect.is_positive()).collect()
 }
 
 /// Where two frames differ; `None` if the same things lie in another order.
@@ -128,25 +159,95 @@ fn differences(old: &[Trace], new: &[Trace]) -> Option<Vec<Rect>> {
     (common_of_old == common_of_new).then_some(rects)
 }
 
-/// The smallest rectangle of whole pixels around one.
-fn on_pixels(rect: Rect, pixels_per_point: f32) -> Rect {
-    let scaled = rect * pixels_per_point;
-    Rect::from_min_max(scaled.min.floor(), scaled.max.ceil()) / pixels_per_point
+/// Squares of the window in which something differs.
+struct Grid {
+    window: Rect,
+    /// Side of a square, points.
+    side: f32,
+    columns: usize,
+    marked: Vec<bool>,
 }
 
-/// Rectangles that cover the same and do not meet each other.
-fn apart(rects: Vec<Rect>) -> Vec<Rect> {
-    let mut done: Vec<Rect> = Vec::new();
-    for mut rect in rects.into_iter().filter(|r| r.is_positive()) {
-        while let Some(other) = done.iter().position(|r| r.intersects(rect)) {
-            rect = rect.union(done.swap_remove(other));
+impl Grid {
+    fn of(rects: &[Rect], window: Rect, side: f32) -> Grid {
+        let count = |length: f32| (length / side).ceil().max(1.0) as usize;
+        let (columns, rows) = (count(window.width()), count(window.height()));
+        let mut marked = vec![false; columns * rows];
+        for rect in rects {
+            // Antialiasing and rounding stay within a pixel.
+            let reach = rect.expand(side / SQUARE);
+            let squares = |from: f32, to: f32, most: usize| {
+                let last = ((to / side).ceil().max(0.0) as usize).min(most);
+                ((from / side).floor().max(0.0) as usize).min(last)..last
+            };
+            for row in squares(reach.top(), reach.bottom(), rows) {
+                let columns_of = squares(reach.left(), reach.right(), columns);
+                marked[row * columns..][columns_of].fill(true);
+            }
         }
-        done.push(rect);
+        Grid { window, side, columns, marked }
     }
-    if done.len() > MOST_RECTANGLES {
-        return done.into_iter().reduce(|a, b| a.union(b)).into_iter().collect();
+
+    /// Rectangles apart from each other that cover the marked squares.
+    fn rectangles(&self) -> Vec<Rect> {
+        let mut done: Vec<Rect> = Vec::new();
+        let mut open: Vec<(std::ops::Range<usize>, usize)> = Vec::new();
+        let rows = self.marked.len() / self.columns;
+        for row in 0..=rows {
+            let runs = if row < rows { runs(&self.marked[row * self.columns..][..self.columns]) } else { Vec::new() };
+            // A run just as wide as the one above it goes on with that.
+            let ended = open.extract_if(.., |(run, _)| !runs.contains(run)).collect::<Vec<_>>();
+            done.extend(ended.into_iter().map(|(run, first)| self.rect(run, first..row)));
+            for run in runs {
+                if !open.iter().any(|(other, _)| *other == run) {
+                    open.push((run, row));
+                }
+            }
+        }
+        fewer(done)
     }
-    done
+
+    fn rect(&self, columns: std::ops::Range<usize>, rows: std::ops::Range<usize>) -> Rect {
+        let at = |column: usize, row: usize| Pos2::new(column as f32 * self.side, row as f32 * self.side);
+        Rect::from_min_max(at(columns.start, rows.start), at(columns.end, rows.end)).intersect(self.window)
+    }
+}
+
+/// Runs of marked squares in a row.
+fn runs(row: &[bool]) -> Vec<std::ops::Range<usize>> {
+    let mut all = Vec::new();
+    let mut begin = None;
+    for (column, marked) in row.iter().copied().chain([false]).enumerate() {
+        match (marked, begin) {
+            (true, None) => begin = Some(column),
+            (false, Some(first)) => {
+                all.push(first..column);
+                begin = None;
+            }
+            _ => {}
+        }
+    }
+    all
+}
+
+/// No more rectangles than are worth it: those are joined whose joining adds the least, with all that they then meet.
+fn fewer(mut rects: Vec<Rect>) -> Vec<Rect> {
+    while rects.len() > MOST_RECTANGLES {
+        let added = |a: &Rect, b: &Rect| a.union(*b).area() - a.area() - b.area();
+        let pairs = (0..rects.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
+        let best = pairs.min_by(|a, b| added(&rects[a.0], &rects[a.1]).total_cmp(&added(&rects[b.0], &rects[b.1])));
+        let Some((i, j)) = best else {
+            break;
+        };
+        let mut joined = rects[i].union(rects[j]);
+        rects.remove(i);
+        rects.remove(j);
+        while let Some(other) = rects.iter().position(|r| r.intersect(joined).is_positive()) {
+            joined = joined.union(rects.swap_remove(other));
+        }
+        rects.push(joined);
+    }
+    rects
 }
 
 #[cfg(test)]
@@ -179,18 +280,40 @@ mod tests {
         assert_eq!(damage.of(&first, SIZE, 1.0), Some(vec![]));
         let moved = [shape(panel, Color32::RED), shape(dot.translate(Vec2::new(20.0, 0.0)), Color32::BLUE)];
         let rects = damage.of(&moved, SIZE, 1.0).unwrap();
-        assert_eq!(rects.len(), 2);
-        for (r, x) in rects.iter().zip([59.0, 39.0]) {
-            assert_eq!((r.left(), r.right(), r.top()), (x, x + 7.0, 9.0), "whole pixels, with a pixel for feathering");
-        }
+        assert_eq!(rects, [rect(32.0, 0.0, 48.0, 16.0)], "squares of 16 pixels");
         // A callback is drawn each time.
         let with = [first[0].clone(), callback(rect(50.0, 5.0, 20.0, 20.0))];
         damage.of(&with, SIZE, 1.0);
-        assert_eq!(damage.of(&with, SIZE, 1.0), Some(vec![rect(50.0, 5.0, 20.0, 20.0)]));
+        assert_eq!(damage.of(&with, SIZE, 1.0), Some(vec![rect(48.0, 0.0, 32.0, 32.0)]));
         assert_eq!(damage.of(&with, SIZE, 2.0), None, "another scale");
         assert_eq!(damage.of(&with, SIZE * 2.0, 2.0), None, "another size");
         damage.forget();
         assert_eq!(damage.of(&with, SIZE * 2.0, 2.0), None);
+    }
+
+    #[test]
+    fn another_texture_is_drawn_again_and_added_letters_are_not() {
+        let mut painted = shape(rect(10.0, 10.0, 5.0, 5.0), Color32::WHITE);
+        let Primitive::Mesh(mesh) = &mut painted.primitive else { unreachable!() };
+        mesh.texture_id = TextureId::Managed(7);
+        let shapes = [shape(rect(0.0, 0.0, 3.0, 3.0), Color32::RED), painted];
+        let mut damage = Damage::default();
+        damage.of(&shapes, SIZE, 1.0);
+        let mut change = |id, pos| {
+            let image = egui::ColorImage::filled([2, 2], Color32::WHITE);
+            let delta = match pos {
+                None => egui::epaint::ImageDelta::full(image, Default::default()),
+                Some(pos) => egui::epaint::ImageDelta::partial(pos, image, Default::default()),
+            };
+            let mut textures = TexturesDelta::default();
+            textures.set.entry(id).or_default().push(delta);
+            damage.repaint(&textures);
+            textures.set.clear();
+            damage.of(&shapes, SIZE, 1.0)
+        };
+        assert_eq!(change(TextureId::Managed(7), Some([0, 0])), Some(vec![rect(0.0, 0.0, 16.0, 16.0)]));
+        assert_eq!(change(TextureId::default(), Some([0, 0])), Some(vec![]));
+        assert_eq!(change(TextureId::default(), None), Some(vec![rect(0.0, 0.0, 16.0, 16.0)]));
     }
 
     #[test]
@@ -206,11 +329,24 @@ mod tests {
 
     #[test]
     fn rectangles_are_apart_and_few() {
-        let merged = apart(vec![rect(0.0, 0.0, 4.0, 4.0), rect(10.0, 0.0, 4.0, 4.0), rect(3.0, 1.0, 8.0, 1.0)]);
-        assert_eq!(merged, [rect(0.0, 0.0, 14.0, 4.0)]);
-        let many = (0..20).map(|i| rect(5.0 * i as f32, 0.0, 2.0, 2.0)).collect();
-        assert_eq!(apart(many), [rect(0.0, 0.0, 97.0, 2.0)]);
-        assert_eq!(apart(vec![Rect::NOTHING]), []);
+        let window = Rect::from_min_size(Pos2::ZERO, Vec2::new(640.0, 480.0));
+        let grid = |rects: &[Rect]| Grid::of(rects, window, 16.0).rectangles();
+        assert_eq!(grid(&[]), []);
+        assert_eq!(grid(&[rect(20.0, 20.0, 4.0, 30.0)]), [rect(16.0, 16.0, 16.0, 48.0)]);
+        // Two that meet: the rows that both have, and the rest of each.
+        let met = grid(&[rect(17.0, 17.0, 30.0, 14.0), rect(33.0, 20.0, 14.0, 40.0)]);
+        assert_eq!(met, [rect(16.0, 16.0, 32.0, 16.0), rect(32.0, 32.0, 16.0, 32.0)]);
+        // Many in a diagonal.
+        let many: Vec<Rect> = (0..25).map(|i| rect(20.0 * i as f32, 18.0 * i as f32, 3.0, 3.0)).collect();
+        let few = grid(&many);
+        assert!(few.len() <= MOST_RECTANGLES);
+        assert!(many.iter().all(|r| few.iter().any(|f| f.contains_rect(*r))));
+        for (i, a) in few.iter().enumerate() {
+            assert!(few[..i].iter().all(|b| !a.intersect(*b).is_positive()), "{few:?}");
+        }
+        assert!(few.iter().map(|r| r.area()).sum::<f32>() < 0.5 * window.area());
+        // Outside the window there is nothing.
+        assert_eq!(grid(&[rect(-50.0, -50.0, 20.0, 20.0), rect(700.0, 0.0, 9.0, 9.0)]), []);
     }
 
     /// Painted one rectangle after the other over the frame before, the pixels are those of the whole frame.
