@@ -26,7 +26,7 @@ use pace::Pace;
 use worker::Worker;
 
 /// What a preview may take, milliseconds, so that the frame that shows it comes within 100.
-pub const TARGET: f64 = 60.0;
+pub const TARGET: f64 = 40.0;
 /// How long nothing moves before the exact picture is begun.
 pub const STILL: Duration = Duration::from_millis(150);
 

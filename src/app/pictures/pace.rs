@@ -6,7 +6,7 @@
 //! keeps it from going back and forth.
 
 /// Steps of coarseness.
-pub const DIVISORS: [f64; 8] = [1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0];
+pub const DIVISORS: [f64; 9] = [1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0];
 /// Where an unknown model begins.
 const FIRST: usize = 5;
 /// No preview has a side of fewer pixels, unless the viewport has.
@@ -93,7 +93,7 @@ mod tests {
             assert!(divisors[30..].iter().all(|&x| x == d), "{fixed} {full}: {divisors:?}");
         }
         assert_eq!(settled(0.0, 30.0).0.divisor(), 1.0);
-        assert_eq!(settled(200.0, 10.0).0.divisor(), 5.0, "nothing helps: as coarse as can be");
+        assert_eq!(settled(200.0, 10.0).0.divisor(), 6.0, "nothing helps: as coarse as can be");
     }
 
     #[test]
@@ -108,7 +108,7 @@ mod tests {
     #[test]
     fn sizes_are_never_empty() {
         let pace = Pace { step: DIVISORS.len() - 1, ..Pace::new(60.0) };
-        assert_eq!(pace.size([1280, 800]), [256, 160]);
+        assert_eq!(pace.size([1280, 800]), [213, 133]);
         assert_eq!(pace.size([3, 1]), [3, 1]);
         assert_eq!(pace.size([0, 0]), [1, 1]);
     }

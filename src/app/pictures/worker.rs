@@ -22,7 +22,7 @@ use crate::scene::{Arrangement, Scene};
 mod tests;
 
 /// Triangles of a preview on a software rasterizer.
-const SOFTWARE_TRIANGLES: u64 = 15_000;
+const SOFTWARE_TRIANGLES: u64 = 8_000;
 
 #[derive(Default)]
 struct Slot {
