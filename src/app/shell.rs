@@ -3,6 +3,7 @@
 //! A frame is drawn when the window system, egui, or a thread has something to show, and at no other time. Movements of the
 //! mouse go straight to the camera and from there to the threads that draw, before any frame.
 
+mod accuracy;
 mod asks;
 mod latency;
 
@@ -109,6 +110,7 @@ struct Shell {
     loading: Option<Loading>,
     first_file: Option<String>,
     exporting: Option<Exporting>,
+    accuracy: accuracy::Threads,
     hand: Hand,
     /// The order and the pixel for which layers beside the cursor were asked for last.
     hovered: Option<(u64, [u32; 2])>,
@@ -153,6 +155,7 @@ impl Shell {
             loading: None,
             first_file: files.first().cloned(),
             exporting: None,
+            accuracy: accuracy::Threads::default(),
             hand: Hand::default(),
             hovered: None,
             repaint_at: None,
@@ -215,7 +218,7 @@ impl Shell {
 
     /// Takes what threads have delivered; says whether anything is to be shown.
     fn collect(&mut self) -> bool {
-        let mut changed = self.collect_export();
+        let mut changed = self.collect_export() | self.collect_accuracy();
         if let Some(loading) = &self.loading {
             changed = true;
             if let Some(result) = loading.take() {
@@ -278,6 +281,7 @@ impl Shell {
             self.workspace.take_changed(change);
             changed = true;
         }
+        self.follow_accuracy();
         changed
     }
 
@@ -312,6 +316,7 @@ impl Shell {
             self.inputs.push_back((number, self.now));
             self.undrawn.push_back((number, self.now));
         }
+        self.follow_accuracy();
     }
 
     fn frame(&mut self, event_loop: &ActiveEventLoop) {
@@ -530,6 +535,7 @@ impl ApplicationHandler<Event> for Shell {
     fn exiting(&mut self, _: &ActiveEventLoop) {
         // The clipboard and the surface need a window that is still there.
         self.pictures = None;
+        self.accuracy = accuracy::Threads::default();
         self.open = None;
     }
 }
