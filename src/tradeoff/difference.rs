@@ -10,11 +10,11 @@ use super::image_error::ErrorMap;
 pub const STOPS: [(f64, [u8; 3]); 8] = [
     (0.0, [0, 0, 0]),
     (1.0, [38, 30, 92]),
-    (2.0, [84, 34, 140]),
-    (4.0, [146, 42, 134]),
-    (8.0, [206, 66, 96]),
-    (16.0, [240, 116, 52]),
-    (32.0, [250, 176, 58]),
+    (2.0, [76, 34, 136]),
+    (4.0, [144, 52, 140]),
+    (8.0, [206, 72, 98]),
+    (16.0, [240, 120, 54]),
+    (32.0, [250, 178, 60]),
     (64.0, [252, 240, 164]),
 ];
 
@@ -55,13 +55,13 @@ mod tests {
         let bytes = rgba(&map);
         let found: Vec<&[u8]> = bytes.chunks(4).collect();
         let expected: [[u8; 4]; 5] =
-            [[0, 0, 0, 255], [38, 30, 92, 255], [206, 66, 96, 255], [250, 176, 58, 255], [252, 240, 164, 255]];
+            [[0, 0, 0, 255], [38, 30, 92, 255], [206, 72, 98, 255], [250, 178, 60, 255], [252, 240, 164, 255]];
         for (found, expected) in found.iter().zip(expected) {
             // Single precision of the pictures.
             assert!(found.iter().zip(expected).all(|(a, b)| a.abs_diff(b) <= 1), "{found:?} {expected:?}");
         }
         assert_eq!(color(0.5), [19, 15, 46], "half of one step: half of its colour");
-        assert_eq!(color(2.0 * 2f64.sqrt()), [115, 38, 137], "half-way by the logarithm");
+        assert_eq!(color(2.0 * 2f64.sqrt()), [110, 43, 138], "half-way by the logarithm");
         assert_eq!((color(-1.0), color(f64::NAN), color(1e9)), ([0; 3], STOPS[7].1, STOPS[7].1));
     }
 

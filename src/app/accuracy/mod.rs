@@ -313,20 +313,16 @@ impl Workspace {
 
     /// Takes what the thread of the reference has found.
     pub fn take_referenced(&mut self, outcome: Result<Referenced, (u64, String)>) {
-        self.accuracy.drawing = None;
+        let number = outcome.as_ref().map_or_else(|fault| fault.0, |found| found.number);
+        self.accuracy.drawing.take_if(|drawing| *drawing == number);
+        if number != self.order {
+            // Of a picture that is gone, perhaps with its model.
+            return;
+        }
+        self.accuracy.once = false;
         match outcome {
-            Ok(found) => {
-                if found.number == self.order {
-                    self.accuracy.once = false;
-                    self.accuracy.fault = None;
-                }
-                self.accuracy.found = Some(found);
-            }
-            Err((number, _)) if number != self.order => {}
-            Err(fault) => {
-                self.accuracy.once = false;
-                self.accuracy.fault = Some(fault);
-            }
+            Ok(found) => (self.accuracy.found, self.accuracy.fault) = (Some(found), None),
+            Err(fault) => self.accuracy.fault = Some(fault),
         }
     }
 

@@ -82,7 +82,9 @@ pub fn show(ui: &mut Ui, points: &[Plotted], entries: &[Entry], error_name: &str
     marks(ui, &places, points, hovered.map(|p| p.entry).or(elsewhere));
     if let Some(plotted) = hovered {
         ui.ctx().set_cursor_icon(egui::CursorIcon::PointingHand);
-        response.on_hover_ui_at_pointer(|ui| figures(ui, plotted, &entries[plotted.entry], error_name));
+        let beside = Rect::from_center_size(places.at(plotted), vec2(16.0, 16.0));
+        let tip = egui::Tooltip::always_open(ui.ctx().clone(), ui.layer_id(), response.id, beside);
+        tip.show(|ui| figures(ui, plotted, &entries[plotted.entry], error_name));
     }
     (clicked.map(|p| p.entry), id)
 }

@@ -16,7 +16,7 @@ pub mod stages;
 pub mod status;
 pub mod style;
 #[cfg(test)]
-mod tests;
+pub(in crate::app) mod tests;
 pub mod views;
 
 use egui::{CentralPanel, Frame, Panel, Pos2, Rect, ScrollArea, Sense, Ui};
