@@ -2,7 +2,7 @@
 
 use egui::{Button, CollapsingHeader, DragValue, Grid, Label, ProgressBar, RichText, ScrollArea, Ui, WidgetInfo, vec2};
 
-use super::{diagram, plan, status};
+use super::{diagram, plan, status, style};
 use crate::app::accuracy::overlay::Overlay;
 use crate::app::accuracy::{Plotted, SECONDS, SIDES, Shows, Wanted};
 use crate::app::workspace::{Ask, Workspace};
@@ -33,6 +33,11 @@ fn section(ui: &mut Ui, title: &str, contents: impl FnOnce(&mut Ui)) {
 
 fn small(ui: &mut Ui, text: impl Into<String>) {
     ui.add(Label::new(RichText::new(text).small()).wrap());
+}
+
+/// In a grid, whose columns are as wide as what is in them.
+fn cell(ui: &mut Ui, text: impl Into<String>) {
+    ui.add(Label::new(RichText::new(text).small()).extend());
 }
 
 fn weak(ui: &mut Ui, text: impl Into<String>) {
@@ -79,12 +84,12 @@ fn picture(ui: &mut Ui, workspace: &Workspace) {
     });
     Grid::new("pass times").num_columns(3).spacing([8.0, 1.0]).show(ui, |ui| {
         for pass in &report.passes {
-            small(ui, pass.pass.name());
+            cell(ui, pass.pass.name());
             let (rect, _) = ui.allocate_exact_size(vec2(84.0, 9.0), egui::Sense::hover());
             let share = if longest > 0.0 { (pass.milliseconds / longest) as f32 } else { 0.0 };
             let bar = egui::Rect::from_min_size(rect.min, vec2((rect.width() * share).max(1.0), rect.height()));
             ui.painter().rect_filled(bar, 1.0, ui.visuals().selection.bg_fill);
-            small(ui, format!("{} ms", plan::milliseconds(pass.milliseconds)));
+            cell(ui, format!("{} ms", plan::milliseconds(pass.milliseconds)));
             ui.end_row();
         }
     });
@@ -156,10 +161,10 @@ fn errors(ui: &mut Ui, error: &ImageError) {
     ];
     Grid::new("errors").num_columns(2).spacing([12.0, 1.0]).show(ui, |ui| {
         for (name, value) in rows {
-            small(ui, name);
-            let cell = ui.label(RichText::new(&value).small().strong());
+            cell(ui, name);
+            let shown = ui.label(RichText::new(&value).small().strong());
             let label = format!("{name}: {value}");
-            cell.widget_info(|| WidgetInfo::labeled(egui::Role::Label, true, &label));
+            shown.widget_info(|| WidgetInfo::labeled(egui::Role::Label, true, &label));
             ui.end_row();
         }
     });
@@ -242,15 +247,15 @@ fn results(ui: &mut Ui, workspace: &mut Workspace) {
     let mut sorted: Vec<&Plotted> = points.iter().collect();
     sorted.sort_by(|a, b| a.point.time[1].total_cmp(&b.point.time[1]));
     let mut pointed_at = None;
-    ScrollArea::vertical().id_salt("points").max_height(170.0).auto_shrink([false, true]).show(ui, |ui| {
+    ScrollArea::vertical().id_salt("points").min_scrolled_height(170.0).max_height(170.0).auto_shrink([false, true]).show(ui, |ui| {
         ui.spacing_mut().item_spacing.y = 1.0;
         for plotted in sorted {
             let [time, error] = [plotted.point.time[1], plotted.point.error].map(figure);
-            let mark = if plotted.on_front { "●" } else { "○" };
-            let text = RichText::new(format!("{mark} {}", plotted.point.label)).small();
+            let text = RichText::new(&plotted.point.label).small();
+            let text = if plotted.on_front { text.strong().color(style::ACCENT) } else { text };
             let value = RichText::new(format!("{time} ms  {error}")).small();
             let button = Button::selectable(plotted.is_present, text).right_text(value).truncate();
-            let row = ui.add_sized(vec2(ui.available_width(), 17.0), button);
+            let row = ui.add_sized(vec2(ui.available_width() - 10.0, 17.0), button);
             let place = match (plotted.on_front, plotted.is_present) {
                 (true, true) => ", best, present",
                 (true, false) => ", best",
