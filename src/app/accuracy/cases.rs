@@ -76,6 +76,8 @@ fn against(case: &HardCase) -> Result<(String, Settings, Option<ShaderTexts>), S
 impl Workspace {
     /// Puts what fails in a hard case left of the divider.
     pub fn show_case(&mut self, case: &'static HardCase) {
+        // Not what failed in another case.
+        self.end_case();
         let shown = against(case).and_then(|(words, settings, shaders)| {
             let source: &TransferSource = &settings.opacity.transfer;
             let transfer = self.functions.of(source)?;

@@ -247,32 +247,37 @@ fn results(ui: &mut Ui, workspace: &mut Workspace) {
     let mut sorted: Vec<&Plotted> = points.iter().collect();
     sorted.sort_by(|a, b| a.point.time[1].total_cmp(&b.point.time[1]));
     let mut pointed_at = None;
-    ScrollArea::vertical().id_salt("points").min_scrolled_height(170.0).max_height(170.0).auto_shrink([false, true]).show(ui, |ui| {
-        ui.spacing_mut().item_spacing.y = 1.0;
-        for plotted in sorted {
-            let [time, error] = [plotted.point.time[1], plotted.point.error].map(figure);
-            let text = RichText::new(&plotted.point.label).small();
-            let text = if plotted.on_front { text.strong().color(style::ACCENT) } else { text };
-            let value = RichText::new(format!("{time} ms  {error}")).small();
-            let button = Button::selectable(plotted.is_present, text).right_text(value).truncate();
-            let row = ui.add_sized(vec2(ui.available_width() - 10.0, 17.0), button);
-            let place = match (plotted.on_front, plotted.is_present) {
-                (true, true) => ", best, present",
-                (true, false) => ", best",
-                (false, true) => ", present",
-                (false, false) => "",
-            };
-            let label = format!("Apply {}: {time} ms, {error}{place}", plotted.point.label);
-            row.widget_info(|| WidgetInfo::selected(egui::Role::Button, true, plotted.is_present, &label));
-            if row.hovered() || row.has_focus() {
-                pointed_at = Some(plotted.entry);
+    ScrollArea::vertical()
+        .id_salt("points")
+        .min_scrolled_height(170.0)
+        .max_height(170.0)
+        .auto_shrink([false, true])
+        .show(ui, |ui| {
+            ui.spacing_mut().item_spacing.y = 1.0;
+            for plotted in sorted {
+                let [time, error] = [plotted.point.time[1], plotted.point.error].map(figure);
+                let text = RichText::new(&plotted.point.label).small();
+                let text = if plotted.on_front { text.strong().color(style::ACCENT) } else { text };
+                let value = RichText::new(format!("{time} ms  {error}")).small();
+                let button = Button::selectable(plotted.is_present, text).right_text(value).truncate();
+                let row = ui.add_sized(vec2(ui.available_width() - 10.0, 17.0), button);
+                let place = match (plotted.on_front, plotted.is_present) {
+                    (true, true) => ", best, present",
+                    (true, false) => ", best",
+                    (false, true) => ", present",
+                    (false, false) => "",
+                };
+                let label = format!("Apply {}: {time} ms, {error}{place}", plotted.point.label);
+                row.widget_info(|| WidgetInfo::selected(egui::Role::Button, true, plotted.is_present, &label));
+                if row.hovered() || row.has_focus() {
+                    pointed_at = Some(plotted.entry);
+                }
+                if row.clicked() {
+                    apply = Some(plotted.entry);
+                }
+                row.on_hover_ui(|ui| diagram::figures(ui, plotted, &swept.entries[plotted.entry], shows.name()));
             }
-            if row.clicked() {
-                apply = Some(plotted.entry);
-            }
-            row.on_hover_ui(|ui| diagram::figures(ui, plotted, &swept.entries[plotted.entry], shows.name()));
-        }
-    });
+        });
     diagram::point_at(ui, pointed, pointed_at);
     let without: Vec<(&str, &str)> = swept
         .entries
