@@ -64,18 +64,18 @@ fn undo(harness: &mut Harness<'_, Workspace>) {
 fn a_point_of_the_sweep_is_applied_as_one_step_and_marked_as_present() {
     let mut harness = harness(swept());
     harness.get_by_label("Apply as asked: 10 ms, 0.5, best, present");
-    harness.get_by_label("Apply full: 20 ms, 0, best");
-    harness.get_by_label("Apply xy15: 5 ms, 4, best").click();
+    harness.get_by_label("Apply normals=full: 20 ms, 0, best");
+    harness.get_by_label("Apply normals=xy15: 5 ms, 4, best").click();
     harness.run();
     assert_eq!(settings(&harness).capture.normals, NormalEncoding::Xy15);
-    harness.get_by_label("Apply xy15: 5 ms, 4, best, present");
+    harness.get_by_label("Apply normals=xy15: 5 ms, 4, best, present");
     harness.get_by_label("Apply as asked: 10 ms, 0.5, best");
     assert!(harness.query_by_label("Measured for another view or look.").is_none(), "a technique is no look");
     undo(&mut harness);
     assert_eq!(*settings(&harness), Settings::default());
     assert!(!harness.state().document.as_ref().unwrap().ways().0, "it was one step");
     // By the keyboard.
-    harness.get_by_label("Apply full: 20 ms, 0, best").focus();
+    harness.get_by_label("Apply normals=full: 20 ms, 0, best").focus();
     harness.run();
     harness.key_press(egui::Key::Enter);
     harness.run();
@@ -94,8 +94,12 @@ fn a_click_on_the_diagram_applies_the_point_under_it() {
     let ats: Vec<egui::Pos2> = points.iter().map(|p| places.at(p)).collect();
     assert!(ats.iter().all(|at| rect.contains(*at)), "{ats:?} {rect:?}");
     let by_time = |name: &str| ats[points.iter().position(|p| p.point.label == name).unwrap()];
-    assert!(by_time("xy15").x < by_time(axis::AS_ASKED).x && by_time(axis::AS_ASKED).x < by_time("full").x);
-    assert!(by_time("xy15").y < by_time(axis::AS_ASKED).y && by_time(axis::AS_ASKED).y < by_time("full").y);
+    assert!(
+        by_time("normals=xy15").x < by_time(axis::AS_ASKED).x && by_time(axis::AS_ASKED).x < by_time("normals=full").x
+    );
+    assert!(
+        by_time("normals=xy15").y < by_time(axis::AS_ASKED).y && by_time(axis::AS_ASKED).y < by_time("normals=full").y
+    );
     let at = places.at(slow) + egui::vec2(2.0, -2.0);
     harness.hover_at(at);
     harness.run();
@@ -116,7 +120,7 @@ fn results_of_another_view_look_or_model_are_labelled() {
     assert!(stale(&harness, "Measured for another view or look."));
     harness.get_by_label("Apply as asked: 10 ms, 0.5, best");
     // What is applied is the technique; the look stays.
-    harness.get_by_label("Apply xy15: 5 ms, 4, best").click();
+    harness.get_by_label("Apply normals=xy15: 5 ms, 4, best").click();
     harness.run();
     assert_eq!((settings(&harness).opacity.gain, settings(&harness).capture.normals), (2.0, NormalEncoding::Xy15));
     undo(&mut harness);
