@@ -34,6 +34,15 @@ pub struct Compare {
     pub divider: f32,
     /// The picture of A.
     pub shown: Option<PictureOfA>,
+    /// What both are called, if not A and B: those of a hard case.
+    pub names: Option<[String; 2]>,
+}
+
+impl Compare {
+    /// With these settings as A.
+    pub fn with(kept: Against) -> Compare {
+        Compare { kept, divider: 0.5, shown: None, names: None }
+    }
 }
 
 impl Workspace {
@@ -42,9 +51,9 @@ impl Workspace {
         let resolved: Option<Resolved> = self.transfer();
         match (resolved, &self.document) {
             (Some(Ok(transfer)), Some(document)) => {
-                let kept = Against { settings: document.seen.settings.clone(), transfer };
+                let kept = Against { settings: document.seen.settings.clone(), transfer, shaders: None };
                 let divider = self.compare.as_ref().map_or(0.5, |c| c.divider);
-                self.compare = Some(Compare { kept, divider, shown: None });
+                self.compare = Some(Compare { divider, ..Compare::with(kept) });
             }
             (Some(Err(reason)), _) => self.say(Gravity::Error, reason),
             _ => {}
@@ -60,7 +69,9 @@ impl Workspace {
             document.settle();
             std::mem::swap(&mut compare.kept.settings, &mut document.seen.settings);
             compare.kept.transfer = transfer;
+            compare.kept.shaders = None;
             compare.shown = None;
+            compare.names = None;
             document.settle();
         }
     }
@@ -68,7 +79,8 @@ impl Workspace {
     /// What is compared with the present settings, if it is different from them.
     pub fn against(&self) -> Option<Against> {
         let (compare, document) = (self.compare.as_ref()?, self.document.as_ref()?);
-        (compare.kept.settings != document.seen.settings).then(|| compare.kept.clone())
+        let different = compare.kept.settings != document.seen.settings || compare.kept.shaders.is_some();
+        different.then(|| compare.kept.clone())
     }
 }
 
@@ -99,9 +111,15 @@ pub fn show(ui: &mut Ui, rect: Rect, workspace: &mut Workspace) {
     let (Some(compare), Some(document)) = (&mut workspace.compare, &workspace.document) else {
         return;
     };
-    let ppp = ui.ctx().pixels_per_point();
-    let at_pixel = |x: f32| (x * ppp).round() / ppp;
-    let x = at_pixel(rect.left() + compare.divider * rect.width());
+    let (left, right) = match (different, compare.shown.is_some()) {
+        (false, _) => ("A", "B is the same"),
+        (true, false) => ("A is drawn …", "B"),
+        (true, true) => ("A", "B"),
+    };
+    let names = compare.names.as_ref().filter(|_| different && compare.shown.is_some());
+    let words = names.map_or([left, right], |[left, right]| [left, right]);
+    let line = Divider { id: "divider", label: "Divider between A and B", at: compare.divider, words };
+    let x = line.x(ui, rect);
     if different && let Some(PictureOfA { view: (camera, size), shown }) = &compare.shown {
         let now = (&document.seen.camera, viewport.size);
         let moved = if (*camera, *size) == (document.seen.camera, viewport.size) {
@@ -113,36 +131,58 @@ pub fn show(ui: &mut Ui, rect: Rect, workspace: &mut Workspace) {
         let left = rect.with_max_x(x);
         ui.painter().with_clip_rect(left).add(egui_wgpu::Callback::new_paint_callback(rect, paint));
     }
+    compare.divider = divider(ui, rect, &line);
+}
+
+/// What is drawn between two pictures, and what they are called.
+pub struct Divider<'a> {
+    /// Another divider has another one.
+    pub id: &'static str,
+    /// What a screen reader says.
+    pub label: &'static str,
+    /// Where it stands, from 0 to 1 of the width.
+    pub at: f32,
+    /// Left and right of it.
+    pub words: [&'a str; 2],
+}
+
+impl Divider<'_> {
+    /// Where it stands, points, on a pixel's edge.
+    pub fn x(&self, ui: &Ui, rect: Rect) -> f32 {
+        let ppp = ui.ctx().pixels_per_point();
+        ((rect.left() + self.at * rect.width()) * ppp).round() / ppp
+    }
+}
+
+/// Shows a divider over a picture; gives where it has been moved to.
+pub fn divider(ui: &mut Ui, rect: Rect, line: &Divider<'_>) -> f32 {
+    let x = line.x(ui, rect);
     let grip = Rect::from_x_y_ranges(x - 0.5 * GRIP..=x + 0.5 * GRIP, rect.y_range());
     // An area of its own, so that the pointer on it is not on the picture.
-    Area::new(Id::unique("divider")).order(Order::Middle).fixed_pos(grip.min).constrain(false).show(ui.ctx(), |ui| {
+    let area = Area::new(Id::unique(line.id)).order(Order::Middle).fixed_pos(grip.min).constrain(false);
+    area.show(ui.ctx(), |ui| {
         let (_, response) = ui.allocate_exact_size(grip.size(), Sense::click_and_drag());
         let response = response.on_hover_and_drag_cursor(CursorIcon::ResizeHorizontal);
-        response.widget_info(|| WidgetInfo::slider(true, f64::from(compare.divider), "Divider between A and B"));
-        let mut divider = compare.divider;
+        response.widget_info(|| WidgetInfo::slider(true, f64::from(line.at), line.label));
+        let mut at = line.at;
         if response.dragged()
-            && let Some(at) = response.interact_pointer_pos()
+            && let Some(pointer) = response.interact_pointer_pos()
         {
-            divider = (at.x - rect.left()) / rect.width().max(1.0);
+            at = (pointer.x - rect.left()) / rect.width().max(1.0);
         }
         if response.has_focus() {
             let filter = egui::EventFilter { horizontal_arrows: true, ..Default::default() };
             ui.memory_mut(|m| m.set_focus_lock_filter(response.id, filter));
             let times = |key| ui.input(|i| i.num_presses(key)) as f32;
-            divider += 0.02 * (times(Key::ArrowRight) - times(Key::ArrowLeft));
+            at += 0.02 * (times(Key::ArrowRight) - times(Key::ArrowLeft));
         }
-        compare.divider = divider.clamp(0.0, 1.0);
         let painter = ui.painter();
         painter.vline(x, rect.y_range(), Stroke::new(3.0, Color32::from_black_alpha(140)));
         painter.vline(x, rect.y_range(), Stroke::new(1.0, Color32::WHITE));
         let knob = pos2(x, rect.center().y);
         painter.circle(knob, 6.0, Color32::WHITE, Stroke::new(1.5, Color32::from_black_alpha(180)));
-        let (left, right) = match (different, compare.shown.is_some()) {
-            (false, _) => ("A", "B is the same"),
-            (true, false) => ("A is drawn …", "B"),
-            (true, true) => ("A", "B"),
-        };
         let over = ui.ctx().layer_painter(ui.layer_id()).with_clip_rect(rect);
+        let [left, right] = line.words;
         for (word, align, by) in [(left, Align2::RIGHT_TOP, -8.0), (right, Align2::LEFT_TOP, 8.0)] {
             let at = pos2(x, rect.top() + 8.0) + vec2(by, 0.0);
             let galley = over.layout_no_wrap(word.to_owned(), FontId::proportional(12.5), Color32::WHITE);
@@ -153,5 +193,7 @@ pub fn show(ui: &mut Ui, rect: Rect, workspace: &mut Workspace) {
         if response.has_focus() {
             painter.circle_stroke(knob, 9.0, Stroke::new(1.5, Color32::WHITE));
         }
-    });
+        at.clamp(0.0, 1.0)
+    })
+    .inner
 }

@@ -42,6 +42,8 @@ pub struct Preferences {
     pub parts: bool,
     /// Whether the stages are shown.
     pub stages: bool,
+    /// Whether the accuracy panel is shown, in place of the stages.
+    pub accuracy: bool,
     /// Whether the transfer-function editors are shown.
     pub editors: bool,
     /// Whether the layers under the resting cursor are shown beside it.
@@ -69,6 +71,7 @@ impl Default for Preferences {
             mouse: Habits::default(),
             parts: true,
             stages: true,
+            accuracy: false,
             editors: true,
             hover: true,
             recent: Vec::new(),

@@ -38,6 +38,10 @@ pub fn press(workspace: &mut Workspace, key: &Key, place: PhysicalKey, held: Hel
             "h" if held.shift => selection::show_all(workspace),
             "h" => selection::set_presence(workspace, Presence::Hidden),
             "g" => selection::set_presence(workspace, Presence::Ghosted),
+            "a" => {
+                workspace.preferences.accuracy = !workspace.preferences.accuracy;
+                workspace.asks.push(Ask::Remember);
+            }
             "m" => workspace.measure.on = !workspace.measure.on,
             "v" => views::next(workspace),
             "l" => {

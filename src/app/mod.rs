@@ -15,9 +15,11 @@
 //! | [`picking`] | what becomes of layers under a pixel; [`measure`] distances between them |
 //! | [`editors`] | transfer functions under the hand; [`functions`] resolves them |
 //! | [`compare`] | two settings under a divider |
+//! | [`accuracy`] | the reference of the picture, sweeps and budgets beside it, hard cases |
 //! | [`exports`] | pictures of any size and turntables into files |
 //! | [`loader`] | opening files; [`watch`] files that somebody edits |
 
+pub mod accuracy;
 pub mod camera;
 pub mod command_line;
 pub mod compare;

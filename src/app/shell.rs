@@ -3,6 +3,7 @@
 //! A frame is drawn when the window system, egui, or a thread has something to show, and at no other time. Movements of the
 //! mouse go straight to the camera and from there to the threads that draw, before any frame.
 
+mod accuracy;
 mod asks;
 mod latency;
 mod places;
@@ -110,6 +111,7 @@ struct Shell {
     loading: Option<Loading>,
     first_file: Option<String>,
     exporting: Option<Exporting>,
+    accuracy: accuracy::Threads,
     hand: Hand,
     /// The order and the pixel for which layers beside the cursor were asked for last.
     hovered: Option<(u64, [u32; 2])>,
@@ -162,6 +164,7 @@ impl Shell {
             loading: None,
             first_file: files.first().cloned(),
             exporting: None,
+            accuracy: accuracy::Threads::default(),
             hand: Hand::default(),
             hovered: None,
             repaint_at: None,
@@ -227,7 +230,7 @@ impl Shell {
 
     /// Takes what threads have delivered; says whether anything is to be shown.
     fn collect(&mut self) -> bool {
-        let mut changed = self.collect_export();
+        let mut changed = self.collect_export() | self.collect_accuracy();
         if let Some(loading) = &self.loading {
             changed = true;
             if let Some(result) = loading.take() {
@@ -290,6 +293,7 @@ impl Shell {
             self.workspace.take_changed(change);
             changed = true;
         }
+        self.follow_accuracy();
         changed
     }
 
@@ -325,6 +329,7 @@ impl Shell {
             self.undrawn.push_back((number, self.now));
             self.last_input = Some((number, self.now));
         }
+        self.follow_accuracy();
     }
 
     fn frame(&mut self, event_loop: &ActiveEventLoop) {
@@ -543,6 +548,7 @@ impl ApplicationHandler<Event> for Shell {
     fn exiting(&mut self, _: &ActiveEventLoop) {
         // The clipboard and the surface need a window that is still there.
         self.pictures = None;
+        self.accuracy = accuracy::Threads::default();
         self.open = None;
     }
 }

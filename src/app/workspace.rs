@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
 
+use super::accuracy::{Accuracy, Wanted};
 use super::camera::{self, Frame};
 use super::compare::{Compare, PictureOfA};
 use super::config::Preferences;
@@ -20,7 +21,7 @@ use super::panels::parts::Tree;
 use super::pictures::{Counted, Extras, Kind, Picked, Picture, Wish};
 use super::viewport::Shown;
 use super::watch::{Changed, ShaderTexts};
-use crate::math::Camera;
+use crate::math::{Camera, LinearImage};
 use crate::plan::{self, Capabilities, FramePlan, ViewStats};
 use crate::render::FrameReport;
 use crate::scene::{Arrangement, Scene};
@@ -49,6 +50,10 @@ pub enum Ask {
     Export(String),
     /// Stop writing pictures.
     CancelExport,
+    /// Measure configurations of what is seen.
+    Measure(Wanted),
+    /// Stop measuring.
+    StopMeasuring,
     /// Write the preferences.
     Remember,
     /// Close the window.
@@ -89,6 +94,8 @@ pub struct OnScreen {
     pub look: (Settings, Arrangement),
     /// Its own size.
     pub size: [u32; 2],
+    /// The exact picture before it was rounded, linear light.
+    pub linear: Option<Arc<LinearImage>>,
     /// From order to pixels, milliseconds.
     pub milliseconds: f64,
 }
@@ -208,6 +215,8 @@ pub struct Workspace {
     pub shaders: Arc<ShaderTexts>,
     /// Settings that the present ones are compared with.
     pub compare: Option<Compare>,
+    /// What is wrong in the picture, and what it would cost to have it right.
+    pub accuracy: Accuracy,
     /// What is under the resting cursor.
     pub hover: Option<Picked>,
     /// What is measured.
@@ -246,6 +255,7 @@ impl Workspace {
             counts: None,
             shaders: Arc::default(),
             compare: None,
+            accuracy: Accuracy::default(),
             hover: None,
             measure: Measure::default(),
             exporting: None,
@@ -291,13 +301,21 @@ impl Workspace {
                 (file, Seen { settings, camera, arrangement: Arrangement::default() })
             }
         };
+        self.end_case();
+        self.forget_accuracy();
         self.messages.retain(|m| m.gravity == Gravity::Error);
         let notices: Vec<String> = scene.notices.iter().map(|n| format!("{}: {}", n.kind.name(), n.message)).collect();
         if !notices.is_empty() {
             self.say(Gravity::Notice, notices.join("\n"));
         }
         match case {
-            Some(case) => self.say(Gravity::Note, format!("{}: {}", case.name, case.why)),
+            Some(case) => {
+                self.say(Gravity::Note, format!("{}: {}", case.name, case.why));
+                self.show_case(case);
+                if let Some(Err(reason)) = self.accuracy.case.as_ref().map(|c| c.contrast.clone()) {
+                    self.say(Gravity::Note, reason);
+                }
+            }
             None => {
                 self.preferences.remember(&remembered);
                 self.asks.push(Ask::Remember);
@@ -347,6 +365,7 @@ impl Workspace {
         // Another model begins another count.
         let serial = self.screen.as_ref().map_or(0, |s| s.shown.serial) + 1 + (self.scene_number << 32);
         let Picture { number, kind, size, milliseconds, viewport, .. } = picture;
+        let linear = picture.linear.clone();
         let view = (picture.seen.camera, viewport);
         let look = (picture.seen.settings.clone(), picture.seen.arrangement.clone());
         let exact = (kind == Kind::Exact).then(|| (picture.seen.clone(), picture.report.clone()));
@@ -355,7 +374,7 @@ impl Workspace {
             self.refusal = None;
         }
         let shown = Arc::new(shown_of(serial, picture));
-        self.screen = Some(OnScreen { shown, number, kind, view, look, size, milliseconds });
+        self.screen = Some(OnScreen { shown, number, kind, view, look, size, linear, milliseconds });
     }
 
     /// Whether what is on screen is the exact picture of what is to be seen.

@@ -256,7 +256,7 @@ struct BudgetRow {
 fn budgets(args: &BudgetsArgs, progress: &Progress) -> Result<(), Failure> {
     let settings = Settings::default();
     let background = parse_background(&settings.image.background).map_err(|e| Failure::new(Exit::Usage, e))?;
-    let options = Options { size: args.size, background, limit: Duration::from_secs(600) };
+    let options = Options { size: args.size, background, limit: Duration::from_secs(600), resize: true };
     let mut rows = Vec::new();
     for file in &args.files {
         let scene = super::load::scene(file, progress)?;
@@ -289,7 +289,7 @@ fn budgets(args: &BudgetsArgs, progress: &Progress) -> Result<(), Failure> {
         args.size[0], args.size[1]
     );
     for BudgetRow { file, promise, choice, afresh, kept } in &rows {
-        let promise = super::budget::promise(*promise);
+        let promise = crate::tradeoff::kept::promise(*promise);
         let time = |t: &Estimate| format!("{:.1} ms ({:.1} to {:.1})", t.median, t.low, t.high);
         text += &format!(
             "{file}, {promise}: '{}'{}\n    then   {:<32} FLIP {:.4}\n    afresh {:<32} FLIP {:.4}  {}\n",

@@ -138,10 +138,7 @@ fn measure(
     if let (Some(limits), Some(path)) = (limits, &args.check) {
         limits.check_names(&configurations).map_err(|e| Failure::about(Exit::Input, path.display(), &e))?;
     }
-    // The reference is exact along every axis, varied or not.
-    let all = axis::all();
-    let exact = reference::reference(settings, &all).map_err(|e| general(&e))?;
-    let supersampled = reference::supersampled(settings, &all).map_err(|e| general(&e))?;
+    let [exact, supersampled] = reference::both(settings).map_err(|e| general(&e))?;
     let camera = args.camera.camera(scene, f64::from(args.size[0]) / f64::from(args.size[1]))?;
     progress.stage("starting the adapter");
     let gpu = Gpu::new(&GpuOptions::default()).map_err(|e| Failure::of(Exit::NoAdapter, &e))?;

@@ -54,13 +54,14 @@ impl Density {
 }
 
 /// Densities in ascending order; those that are asked for are among them.
-fn densities(asked: u32) -> Vec<Density> {
+fn densities(asked: u32, resize: bool) -> Vec<Density> {
     let sparse = [0.125, 0.1875, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875].map(|scale| Density { scale, samples: 1 });
+    let sparse = sparse.into_iter().filter(|_| resize);
     let mut samples = vec![1, 2, 3, 4, 6, 8, asked];
     samples.sort_unstable();
     samples.dedup();
     let dense = samples.into_iter().map(|samples| Density { scale: 1.0, samples });
-    sparse.into_iter().chain(dense).collect()
+    sparse.chain(dense).collect()
 }
 
 /// What is promised.
@@ -82,6 +83,8 @@ pub struct Options {
     pub background: Option<[f32; 3]>,
     /// Time for measuring: after it no further candidate is begun.
     pub limit: Duration,
+    /// Whether pictures may be drawn smaller and enlarged.
+    pub resize: bool,
 }
 
 /// What is known of one candidate.
@@ -213,7 +216,7 @@ pub fn choose(
         if sure || !chooser.may_go_on() {
             return Ok(choice);
         }
-        chooser.time(at, 2 * PROMISED_FRAMES, f64::INFINITY);
+        chooser.time(at, 2 * PROMISED_FRAMES, f64::INFINITY)?;
     }
 }
 
@@ -261,7 +264,7 @@ impl<'a> Chooser<'a> {
         progress: &'a mut dyn FnMut(&str),
     ) -> Result<Chooser<'a>, BudgetError> {
         let mut reference_settings = reference::supersampled(base, &axis::all()).map_err(AxisError::from)?;
-        let most = densities(base.image.samples).iter().map(|d| d.samples).fold(1, u32::max);
+        let most = densities(base.image.samples, options.resize).iter().map(|d| d.samples).fold(1, u32::max);
         reference_settings.image.samples = reference_settings.image.samples.max(2 * most);
         Ok(Chooser {
             bench,
@@ -292,25 +295,26 @@ impl<'a> Chooser<'a> {
     }
 
     /// Draws a candidate once; `None` where that is refused.
-    fn draw(&mut self, at: usize) -> Option<(f64, LinearImage)> {
+    fn draw(&mut self, at: usize) -> Result<Option<(f64, LinearImage)>, RenderError> {
         let size = self.drawn_size(at);
         let settings = self.measured.entries[at].settings.clone();
         (self.progress)(&self.measured.entries[at].name.clone());
         match self.bench.draw(Lane::Candidate, &settings, size, Wanted::default()) {
             Ok(drawn) => {
                 self.warm = Some(at);
-                Some((drawn.milliseconds, drawn.image))
+                Ok(Some((drawn.milliseconds, drawn.image)))
             }
+            Err(RenderError::Cancelled) => Err(RenderError::Cancelled),
             Err(e) => {
                 self.measured.entries[at].refused = Some(e.to_string());
-                None
+                Ok(None)
             }
         }
     }
 
     /// Whether there is time for another candidate. The first is measured in any case.
     fn may_go_on(&mut self) -> bool {
-        let time_is_left = Instant::now() < self.end;
+        let time_is_left = Instant::now() < self.end + self.bench.idle();
         self.cut_short |= !time_is_left;
         time_is_left || !self.measured.entries.iter().any(Entry::is_measured)
     }
@@ -330,7 +334,7 @@ impl<'a> Chooser<'a> {
         if entry.refused.is_some() || !self.may_go_on() {
             return Ok(None);
         }
-        let Some((_, image)) = self.draw(at) else { return Ok(None) };
+        let Some((_, image)) = self.draw(at)? else { return Ok(None) };
         let reference = match self.reference.take() {
             Some(reference) => reference,
             None => {
@@ -351,24 +355,24 @@ impl<'a> Chooser<'a> {
     }
 
     /// Time of a candidate from at least so many frames; fewer, if a frame takes longer than `hopeless` milliseconds.
-    fn time(&mut self, at: usize, frames: usize, hopeless: f64) -> Option<Estimate> {
+    fn time(&mut self, at: usize, frames: usize, hopeless: f64) -> Result<Option<Estimate>, RenderError> {
         let entry = &self.measured.entries[at];
         let missing = frames.saturating_sub(entry.frames.len());
         let known_hopeless = median(&entry.frames).is_some_and(|m| m > hopeless);
         if entry.refused.is_none() && missing > 0 && !known_hopeless && self.may_go_on() {
-            if self.warm != Some(at) {
-                // The first frame may compile shaders and make buffers.
-                self.draw(at)?;
+            // The first frame may compile shaders and make buffers.
+            if self.warm != Some(at) && self.draw(at)?.is_none() {
+                return Ok(None);
             }
             for _ in 0..missing {
-                let (took, _) = self.draw(at)?;
+                let Some((took, _)) = self.draw(at)? else { return Ok(None) };
                 self.measured.entries[at].frames.push(took);
                 if took > hopeless {
                     break;
                 }
             }
         }
-        estimate(&self.measured.entries[at].frames, 1)
+        Ok(estimate(&self.measured.entries[at].frames, 1))
     }
 
     fn nothing_drawn(&self) -> BudgetError {
@@ -384,7 +388,7 @@ impl<'a> Chooser<'a> {
         for (i, configuration) in all.iter().enumerate() {
             let at = self.enter(at_density(configuration, Density::PLAIN, self.base.image.samples));
             let Some(error) = self.error(at)? else { continue };
-            self.time(at, FRAMES, f64::INFINITY);
+            self.time(at, FRAMES, f64::INFINITY)?;
             let Some(time) = self.impression(at) else { continue };
             points
                 .push((i, Point { label: String::new(), time: [time.low, time.median, time.high], error, sure: true }));
@@ -412,14 +416,14 @@ impl<'a> Chooser<'a> {
     /// Step 2 for a time: measures around the densest that fits.
     fn densest_within(&mut self, technique: &Configuration, limit: f64) -> Result<(), RenderError> {
         let asked = self.base.image.samples;
-        let all = densities(asked);
+        let all = densities(asked, self.options.resize);
         let plain = self.enter(at_density(technique, Density::PLAIN, asked));
         let Some(time) = self.impression(plain) else { return Ok(()) };
         let mut density = all.iter().rposition(|d| d.relative() * time.median <= limit).unwrap_or(0);
         let mut last_fitted = None;
         loop {
             let at = self.enter(at_density(technique, all[density], asked));
-            let fits = self.time(at, PROMISED_FRAMES, 1.5 * limit).is_some_and(|t| t.high <= limit);
+            let fits = self.time(at, PROMISED_FRAMES, 1.5 * limit)?.is_some_and(|t| t.high <= limit);
             self.error(at)?;
             match (fits, last_fitted) {
                 // Up as long as it fits, then the last was the densest; down until one fits.
@@ -438,7 +442,7 @@ impl<'a> Chooser<'a> {
         let mut tried = Vec::new();
         // All below `low` are too wrong, all from `high` on suffice, if error falls with density.
         let asked = self.base.image.samples;
-        let all = densities(asked);
+        let all = densities(asked, self.options.resize);
         let (mut low, mut high) = (0, all.len());
         let mut next = all.iter().position(|d| *d == Density::PLAIN).unwrap_or(0);
         while low < high {
@@ -455,7 +459,7 @@ impl<'a> Chooser<'a> {
         // Only what suffices need be timed; without any, what comes closest is chosen by its error.
         for &at in &tried {
             let suffices = self.measured.entries[at].error.is_some_and(|e| e.flip_mean <= limit);
-            self.time(at, if suffices { PROMISED_FRAMES } else { 1 }, f64::INFINITY);
+            self.time(at, if suffices { PROMISED_FRAMES } else { 1 }, f64::INFINITY)?;
         }
         Ok(())
     }
@@ -472,6 +476,7 @@ impl<'a> Chooser<'a> {
             .entries
             .iter()
             .enumerate()
+            .filter(|(_, entry)| self.options.resize || entry.scale == 1.0)
             .filter_map(|(at, entry)| {
                 Some(Candidate { at, flip: entry.error?.flip_mean, time: estimate(&entry.frames, 1)? })
             })
@@ -573,7 +578,7 @@ pub fn afresh(
     let mut silent = |_: &str| {};
     let mut chooser = Chooser::new(bench, base, options, &mut measured, &mut silent)?;
     let flip = chooser.error(0)?;
-    let time = chooser.time(0, PROMISED_FRAMES, f64::INFINITY);
+    let time = chooser.time(0, PROMISED_FRAMES, f64::INFINITY)?;
     match (flip, time) {
         (Some(flip), Some(time)) => Ok(Afresh { flip, time }),
         _ => Err(chooser.nothing_drawn()),

@@ -50,7 +50,7 @@ impl Workbench for StandIn {
 }
 
 fn options() -> Options {
-    Options { size: [48, 40], background: None, limit: Duration::from_secs(60) }
+    Options { size: [48, 40], background: None, limit: Duration::from_secs(60), resize: true }
 }
 
 fn chosen(bench: &mut StandIn, goal: Goal, measured: &mut Measurements) -> Choice {

@@ -36,7 +36,8 @@ const BOTTOM: f64 = 52.0;
 const ZERO: f64 = 46.0;
 
 /// A logarithmic axis.
-struct Scale {
+#[derive(Clone, Copy, Debug)]
+pub struct Scale {
     low: f64,
     high: f64,
     from: f64,
@@ -45,7 +46,7 @@ struct Scale {
 
 impl Scale {
     /// Holds all values with a margin, over at least a factor of two.
-    fn over(values: impl Iterator<Item = f64>, from: f64, to: f64) -> Scale {
+    pub fn over(values: impl Iterator<Item = f64>, from: f64, to: f64) -> Scale {
         let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
         for value in values.filter(|v| *v > 0.0 && v.is_finite()) {
             (low, high) = (low.min(value), high.max(value));
@@ -57,13 +58,14 @@ impl Scale {
         Scale { low: low / margin, high: high * margin, from, to }
     }
 
-    fn at(&self, value: f64) -> f64 {
+    /// Where a value above 0 stands.
+    pub fn at(&self, value: f64) -> f64 {
         let t = (value / self.low).ln() / (self.high / self.low).ln();
         self.from + t * (self.to - self.from)
     }
 
     /// Values for lines: powers of ten with as many values between them as it takes for a handful.
-    fn ticks(&self) -> Vec<f64> {
+    pub fn ticks(&self) -> Vec<f64> {
         const STEPS: [&[f64]; 4] = [
             &[1.0],
             &[1.0, 2.0, 5.0],
@@ -87,17 +89,15 @@ fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
-/// Rectangle: left, top, right, bottom.
-type Rectangle = [f64; 4];
+/// Left, top, right, bottom.
+pub type Rectangle = [f64; 4];
 
 fn overlap(a: &Rectangle, b: &Rectangle) -> bool {
     a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3]
 }
 
-/// A place for the label of a point that covers no other label or point, if there is one; else the least bad.
-fn place_label(x: f64, y: f64, text: &str, taken: &[Rectangle]) -> Rectangle {
-    // As wide as the widest of the fonts that the page may get.
-    let (w, h) = (7.3 * text.chars().count() as f64 + 6.0, 13.0);
+/// A place inside `room` for a label of a point that covers no other label or point, if there is one; else the least bad.
+pub fn place_label([x, y]: [f64; 2], [w, h]: [f64; 2], room: &Rectangle, taken: &[Rectangle]) -> Rectangle {
     let mut best: Option<(usize, Rectangle)> = None;
     for distance in [7.0, 18.0, 32.0, 50.0, 72.0, 98.0] {
         for (dx, dy) in
@@ -110,7 +110,7 @@ fn place_label(x: f64, y: f64, text: &str, taken: &[Rectangle]) -> Rectangle {
             };
             let top = y + dy * distance - h / 2.0;
             let rectangle = [left, top, left + w, top + h];
-            let inside = left >= LEFT && rectangle[2] <= WIDTH - 2.0 && top >= 2.0 && rectangle[3] <= HEIGHT - BOTTOM;
+            let inside = left >= room[0] && top >= room[1] && rectangle[2] <= room[2] && rectangle[3] <= room[3];
             if !inside {
                 continue;
             }
@@ -220,7 +220,9 @@ pub fn diagram(points: &[Point], error_name: &str) -> String {
     for wanted in [true, false] {
         for (point, _) in points.iter().zip(&front).filter(|(_, f)| **f == wanted) {
             let (x, y) = (xs.at(point.time[1]), y_of(point.error));
-            let r = place_label(x, y, &point.label, &taken);
+            // As wide as the widest of the fonts that the page may get.
+            let size = [7.3 * point.label.chars().count() as f64 + 6.0, 13.0];
+            let r = place_label([x, y], size, &[LEFT, 2.0, WIDTH - 2.0, HEIGHT - BOTTOM], &taken);
             taken.push(r);
             let class = if wanted { "best" } else { "beaten" };
             let near = [x.clamp(r[0], r[2]), y.clamp(r[1], r[3])];

@@ -51,6 +51,15 @@ pub fn supersampled(base: &Settings, axes: &[Axis]) -> Result<Settings, Settings
     Ok(settings)
 }
 
+/// Both references of what a user asked for, along every axis there is, varied or not.
+///
+/// # Errors
+/// As [`reference`].
+pub fn both(base: &Settings) -> Result<[Settings; 2], SettingsError> {
+    let all = super::axis::all();
+    Ok([reference(base, &all)?, supersampled(base, &all)?])
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

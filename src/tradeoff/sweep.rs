@@ -13,11 +13,12 @@ use std::time::{Duration, Instant};
 
 use serde::Serialize;
 
-use super::axis::{Configuration, Judge};
+use super::axis::{AS_ASKED, Configuration, Judge};
+use super::diagram::Point;
 use super::image_error::{self, ImageError};
 use super::layer_error::{Identity, LayerError, layer_error};
 use super::picture::Thumbnails;
-use super::statistics::{Estimate, estimate, median};
+use super::statistics::{ENOUGH, Estimate, estimate, median};
 use super::workbench::{Drawn, Lane, Layers, Wanted, Workbench};
 use crate::gpu::PassTime;
 use crate::math::LinearImage;
@@ -102,6 +103,20 @@ pub struct Row {
     pub outcome: Result<Measured, String>,
 }
 
+impl Row {
+    /// Its place in a diagram over `error`, if it was timed: time over that of the baseline's frames beside it, which a busy
+    /// machine slows down as much.
+    pub fn point(&self, error: impl Fn(&Measured) -> f64) -> Option<Point> {
+        let measured = self.outcome.as_ref().ok()?;
+        let ratio = measured.times.as_ref()?.ratio?;
+        // Two runs of the baseline against each other tell of the machine alone.
+        let is_baseline = self.configuration.name == AS_ASKED;
+        let time = if is_baseline { [1.0; 3] } else { [ratio.low, ratio.median, ratio.high] };
+        let label = self.configuration.short.clone();
+        Some(Point { label, time, error: error(measured), sure: is_baseline || ratio.count >= ENOUGH })
+    }
+}
+
 /// Where a sweep has got to.
 #[derive(Clone, Copy, Debug)]
 pub struct Step<'a> {
@@ -111,6 +126,8 @@ pub struct Step<'a> {
     pub of: usize,
     /// The one that begins.
     pub name: &'a str,
+    /// The one that has just been done.
+    pub finished: Option<&'a Row>,
 }
 
 /// What came of a sweep.
@@ -151,15 +168,17 @@ struct Run<'a> {
     baseline_samples: Vec<f64>,
     /// Single frames drawn so far, and how long they took.
     drawn: (u32, Duration),
+    /// Somebody has called it off.
+    stopped: bool,
 }
 
-/// The time of a configuration.
+/// The time of a configuration, since the sweep began.
 #[derive(Clone, Copy)]
 struct Share {
     /// When its fair share ends: no further frames are timed.
-    fair: Instant,
+    fair: Duration,
     /// When it must end for the others' errors to be measured.
-    last: Instant,
+    last: Duration,
 }
 
 /// Single frames that a configuration needs for its errors and, besides, for times at least: warm-up, a pair with the
@@ -180,7 +199,8 @@ fn layer_size([width, height]: [u32; 2]) -> [u32; 2] {
     [width, height].map(|side| ((u64::from(side) * u64::from(LAYER_SIDE) / u64::from(longest)) as u32).max(1))
 }
 
-/// Measures all `configurations`, of which the first is the baseline, against the settings of the two references.
+/// Measures all `configurations`, of which the first is the baseline, against the settings of the two references. A bench whose
+/// frames end in [`RenderError::Cancelled`] has been called off: what is not measured by then is not measured.
 ///
 /// # Errors
 /// [`RenderError`] if not even the reference can be drawn.
@@ -199,8 +219,9 @@ pub fn run(
         begin: Instant::now(),
         baseline_samples: Vec::new(),
         drawn: (0, Duration::ZERO),
+        stopped: false,
     };
-    progress(Step { done: 0, of: configurations.len(), name: "reference" });
+    progress(Step { done: 0, of: configurations.len(), name: "reference", finished: None });
     let exact: Reference = Ok(run.target(exact_settings)?);
     let mut supersampled: Option<Reference> = None;
     let baseline = configurations.first().map(|c| c.settings.clone()).unwrap_or_default();
@@ -209,9 +230,9 @@ pub fn run(
         // again as a row.
         let _ = run.draw(Lane::Baseline, &baseline, options.size, Wanted::default());
     }
-    let mut rows = Vec::with_capacity(configurations.len());
+    let mut rows: Vec<Row> = Vec::with_capacity(configurations.len());
     for (done, configuration) in configurations.iter().enumerate() {
-        progress(Step { done, of: configurations.len(), name: &configuration.name });
+        progress(Step { done, of: configurations.len(), name: &configuration.name, finished: rows.last() });
         let out_of_time = run.out_of_time();
         if configuration.judge == Judge::Supersampled && supersampled.is_none() && !out_of_time {
             supersampled = Some(run.target(supersampled_settings).map_err(sentence));
@@ -222,7 +243,11 @@ pub fn run(
             Judge::Supersampled => supersampled.as_ref(),
         };
         let outcome = match reference {
-            Some(Ok(target)) if !out_of_time => run.measure(configuration, &baseline, target, share),
+            Some(Ok(target)) if !out_of_time => {
+                let outcome = run.measure(configuration, &baseline, target, share);
+                if run.stopped { Err(CALLED_OFF.to_owned()) } else { outcome }
+            }
+            _ if run.stopped => Err(CALLED_OFF.to_owned()),
             Some(Err(reason)) => Err(format!("its reference could not be drawn: {reason}")),
             _ => Err(format!("not measured: the time limit of {} s was reached", run.limit_seconds())),
         };
@@ -239,6 +264,7 @@ pub fn run(
         .ok()
         .filter(|_| options.thumbnail > 0)
         .map(|t| super::picture::picture(&t.image, options.background, options.thumbnail));
+    let seconds = run.now().as_secs_f64();
     Ok(Sweep {
         rows,
         size: options.size,
@@ -247,9 +273,12 @@ pub fn run(
         reference_thumbnail,
         reference_samples: supersampled_settings.image.samples,
         baseline_samples: run.baseline_samples,
-        seconds: run.begin.elapsed().as_secs_f64(),
+        seconds,
     })
 }
+
+/// Why there is nothing of what was left when somebody called it off.
+const CALLED_OFF: &str = "not measured: called off";
 
 fn sentence(error: impl std::error::Error) -> String {
     error.to_string()
@@ -260,12 +289,17 @@ impl Run<'_> {
         self.options.limit.map_or(0, |l| l.as_secs())
     }
 
+    /// Time since the beginning, without what was spent waiting.
+    fn now(&self) -> Duration {
+        self.begin.elapsed().saturating_sub(self.bench.idle())
+    }
+
     fn remaining(&self) -> Option<Duration> {
-        self.options.limit.map(|limit| limit.saturating_sub(self.begin.elapsed()))
+        self.options.limit.map(|limit| limit.saturating_sub(self.now()))
     }
 
     fn out_of_time(&self) -> bool {
-        self.options.most_frames > 0 && self.remaining().is_some_and(|r| r.is_zero())
+        self.stopped || self.options.most_frames > 0 && self.remaining().is_some_and(|r| r.is_zero())
     }
 
     /// Time of a single frame as it was so far.
@@ -283,7 +317,7 @@ impl Run<'_> {
         let kept = sum(0) + reference.filter(|_| sampled).map_or(0, |s| s.image.samples);
         let own: u32 = frames_needed(first).iter().sum();
         let free = remaining.saturating_sub(self.frame_time() * kept);
-        Some(Share { fair: Instant::now() + free * own / (own + sum(1)), last: Instant::now() + free })
+        Some(Share { fair: self.now() + free * own / (own + sum(1)), last: self.now() + free })
     }
 
     /// Draws, and notes how long single frames take.
@@ -294,9 +328,11 @@ impl Run<'_> {
         size: [u32; 2],
         wanted: Wanted,
     ) -> Result<(f64, Drawn), RenderError> {
-        let begin = Instant::now();
-        let drawn = self.bench.draw(lane, settings, size, wanted)?;
-        let took = begin.elapsed();
+        let begin = self.now();
+        let drawn = self.bench.draw(lane, settings, size, wanted).inspect_err(|e| {
+            self.stopped |= matches!(e, RenderError::Cancelled);
+        })?;
+        let took = self.now().saturating_sub(begin);
         self.drawn.0 += settings.image.samples.max(1);
         self.drawn.1 += took;
         Ok((took.as_secs_f64() * 1e3, drawn))
@@ -352,7 +388,7 @@ impl Run<'_> {
         let thumbnails = (self.options.thumbnail > 0)
             .then(|| Thumbnails::new(&image, &target.image, &map, self.options.background, self.options.thumbnail));
         let least = self.frame_time() * frames_needed(configuration)[1];
-        let enough = share.is_none_or(|s| Instant::now() + least < s.last) || self.baseline_samples.is_empty();
+        let enough = share.is_none_or(|s| self.now() + least < s.last) || self.baseline_samples.is_empty();
         let times = if self.options.most_frames > 0 && enough {
             Some(self.time(settings, size, baseline, share.map(|s| s.fair)).map_err(sentence)?)
         } else {
@@ -374,7 +410,7 @@ impl Run<'_> {
         settings: &Settings,
         size: [u32; 2],
         baseline: &Settings,
-        slice: Option<Instant>,
+        slice: Option<Duration>,
     ) -> Result<Times, RenderError> {
         let mut times = Times::default();
         // Warm-up: the shaders are compiled by now, caches and buffers are not all as they will be.
@@ -384,17 +420,16 @@ impl Run<'_> {
         if self.baseline_samples.is_empty() {
             self.draw(Lane::Baseline, baseline, self.options.size, Wanted::default())?;
         }
-        let enough = |done: usize, each: Duration| {
-            done >= self.options.most_frames || slice.is_some_and(|end| done > 0 && Instant::now() + each > end)
-        };
         // What the next round and the frames for the passes will take.
         let mut each = Duration::ZERO;
-        while !enough(times.samples.len(), each) {
-            let round = Instant::now();
+        let most = self.options.most_frames;
+        while times.samples.len() < most && slice.is_none_or(|end| times.samples.is_empty() || self.now() + each <= end)
+        {
+            let round = self.now();
             times.samples.push(self.draw(Lane::Candidate, settings, size, Wanted::default())?.0);
             let beside = self.draw(Lane::Baseline, baseline, self.options.size, Wanted::default())?.0;
             times.baseline_samples.push(beside);
-            each = round.elapsed() * 2;
+            each = self.now().saturating_sub(round) * 2;
         }
         self.baseline_samples.extend(&times.baseline_samples);
         let serial = Wanted { layers: false, pass_times: true };

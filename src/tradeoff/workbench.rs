@@ -2,6 +2,10 @@
 //!
 //! The baseline has a renderer of its own, so that drawing it in turn with a candidate makes no buffers anew.
 
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+
 use crate::gpu::{AdapterFacts, Gpu, PassTime, Timing};
 use crate::math::{Camera, LinearImage};
 use crate::passes::capture::LayerCounts;
@@ -61,6 +65,11 @@ pub trait Workbench {
     /// # Errors
     /// [`RenderError`] says what was refused or failed.
     fn draw(&mut self, lane: Lane, settings: &Settings, size: [u32; 2], wanted: Wanted) -> Result<Drawn, RenderError>;
+
+    /// How long draws have waited for their turn so far: nobody's time, neither a frame's nor a limit's.
+    fn idle(&self) -> Duration {
+        Duration::ZERO
+    }
 }
 
 /// The renderer as a workbench.
@@ -92,6 +101,13 @@ impl RendererBench {
             renderer.arrange(loaded, scene, arrangement)?;
         }
         Ok(())
+    }
+
+    /// Gives frames up, where they are drawn pass by pass, while this is raised.
+    pub fn cancelled_by(&mut self, raised: &Arc<AtomicBool>) {
+        for (renderer, _) in &mut self.lanes {
+            renderer.cancel = Some(Arc::clone(raised));
+        }
     }
 
     /// The adapter.

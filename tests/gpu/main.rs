@@ -5,6 +5,7 @@
 //! Matrices of settings are sampled; all of them run where `PELLUCID_TEST_FULL` is set. Where no adapter answers the tests
 //! say `SKIPPED`, unless `CI` is set: then they fail.
 
+mod accuracy;
 mod arrangement;
 mod captures;
 mod common;

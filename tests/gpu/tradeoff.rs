@@ -53,7 +53,7 @@ fn measured<'a>(sweep: &'a Sweep, name: &str) -> &'a Measured {
 #[test]
 fn chosen_settings_keep_their_promise_when_measured_afresh() {
     let background = Some([0.02; 3]);
-    let options = budget::Options { size: SIZE, background, limit: Duration::from_secs(3600) };
+    let options = budget::Options { size: SIZE, background, limit: Duration::from_secs(3600), resize: true };
     for seed in [1, 2, 3] {
         let scene = meshes::assembly(seed);
         let camera = camera(&scene, false);

@@ -206,7 +206,13 @@ fn view(ui: &mut Ui, workspace: &mut Workspace) {
     let before = workspace.preferences.clone();
     let preferences = &mut workspace.preferences;
     ui.checkbox(&mut preferences.parts, "Parts");
-    ui.checkbox(&mut preferences.stages, "Stages");
+    let mut stages = preferences.stages && !preferences.accuracy;
+    if ui.checkbox(&mut stages, "Stages").changed() {
+        (preferences.stages, preferences.accuracy) = (stages, false);
+    }
+    if ui.add(Button::selectable(preferences.accuracy, "Accuracy").shortcut_text("A")).clicked() {
+        preferences.accuracy = !preferences.accuracy;
+    }
     ui.checkbox(&mut preferences.editors, "Transfer functions");
     ui.checkbox(&mut preferences.hover, "Parts under the cursor");
     ui.menu_button("Theme", |ui| {

@@ -134,9 +134,10 @@ fn color(ui: &Ui, gravity: Gravity) -> Color32 {
 }
 
 /// A small plate on the picture.
-pub(super) fn over(ui: &mut Ui, id: &str, place: Align2, picture: Rect, contents: impl FnOnce(&mut Ui)) {
+pub(in crate::app) fn over(ui: &mut Ui, id: &str, place: Align2, picture: Rect, contents: impl FnOnce(&mut Ui)) {
     let offset = match place {
         Align2::LEFT_BOTTOM => vec2(10.0, -10.0),
+        Align2::RIGHT_BOTTOM => vec2(-10.0, -10.0),
         Align2::CENTER_TOP => vec2(0.0, 10.0),
         _ => vec2(0.0, 0.0),
     };

@@ -1,5 +1,7 @@
 //! What stands around the picture, one function a panel. All of them work on the [`Workspace`] alone.
 
+pub mod accuracy;
+pub mod diagram;
 pub mod export;
 pub mod measure;
 pub mod menu;
@@ -14,11 +16,12 @@ pub mod stages;
 pub mod status;
 pub mod style;
 #[cfg(test)]
-mod tests;
+pub(in crate::app) mod tests;
 pub mod views;
 
-use egui::{CentralPanel, Frame, Panel, Pos2, Rect, Sense, Ui};
+use egui::{CentralPanel, Frame, Panel, Pos2, Rect, ScrollArea, Sense, Ui};
 
+use super::accuracy::overlay::{self, Overlay};
 use super::viewport::{self, Paint};
 use super::workspace::{Viewport, Workspace};
 use super::{compare, editors};
@@ -31,9 +34,13 @@ pub fn show(ui: &mut Ui, workspace: &mut Workspace) {
         let panel = Panel::bottom("editors").resizable(true).default_size(232.0).size_range(150.0..=520.0);
         panel.show(ui, |ui| editors::show(ui, workspace));
     }
-    if workspace.preferences.stages {
+    if workspace.preferences.accuracy {
+        Panel::right("accuracy").default_size(344.0).size_range(300.0..=760.0).show(ui, |ui| {
+            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| accuracy::show(ui, workspace));
+        });
+    } else if workspace.preferences.stages {
         Panel::right("stages").default_size(316.0).size_range(240.0..=520.0).show(ui, |ui| {
-            egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
                 stages::show(ui, workspace);
                 sections::show(ui, workspace);
                 plan::show(ui, workspace);
@@ -69,7 +76,11 @@ fn picture(ui: &mut Ui, workspace: &mut Workspace) {
             });
             let paint = Paint { picture: screen.shown.clone(), slot: 0, origin: [left, top], size, moved };
             ui.painter().add(egui_wgpu::Callback::new_paint_callback(rect, paint));
-            compare::show(ui, rect, workspace);
+            if workspace.accuracy.overlay == Overlay::Off {
+                compare::show(ui, rect, workspace);
+            } else {
+                overlay::show(ui, rect, workspace);
+            }
         }
         None => {
             ui.painter().rect_filled(rect, 0.0, style::behind_the_picture(ui.visuals().dark_mode));

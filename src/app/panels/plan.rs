@@ -82,7 +82,8 @@ fn right(ui: &mut Ui, text: &str, color: Color32) {
     });
 }
 
-fn milliseconds(ms: f64) -> String {
+/// A time of at least one decimal below 10.
+pub fn milliseconds(ms: f64) -> String {
     if ms < 10.0 { format!("{ms:.1}") } else { grouped(ms.round() as u64) }
 }
 

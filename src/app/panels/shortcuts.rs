@@ -21,6 +21,7 @@ pub const KEYS: &[(&str, &str)] = &[
     ("G, H", "Ghost, hide the selection"),
     ("Shift+H", "Show every part"),
     ("M", "Measure between two clicks"),
+    ("A", "What is wrong in the picture: the accuracy panel instead of the stages"),
     ("L", "Parts under the cursor: on, off"),
     ("Ctrl+S", "Save the session"),
     ("Ctrl+P", "Save the picture"),

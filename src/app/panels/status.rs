@@ -5,6 +5,7 @@ use egui::{Color32, RichText, Ui};
 use crate::app::pictures::Kind;
 use crate::app::workspace::Workspace;
 use crate::plan::Capture;
+use crate::render::FrameReport;
 
 /// The status line.
 pub fn show(ui: &mut Ui, workspace: &Workspace) {
@@ -31,15 +32,7 @@ pub fn show(ui: &mut Ui, workspace: &Workspace) {
             && screen.kind == Kind::Exact
             && let Some((_, report)) = &workspace.report
         {
-            let layers = &report.layers;
-            if report.plan.capture != Capture::None {
-                ui.label(format!("{} layers stored", grouped(layers.stored)));
-                ui.label(format!("{} merged", grouped(layers.merged)));
-                ui.label(format!("{} dropped", grouped(layers.dropped)));
-            }
-            if layers.lost > 0 {
-                ui.colored_label(ui.visuals().error_fg_color, format!("{} LOST", grouped(layers.lost)));
-            }
+            layers(ui, report);
         }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             if let Some(adapter) = &workspace.adapter {
@@ -47,6 +40,19 @@ pub fn show(ui: &mut Ui, workspace: &Workspace) {
             }
         });
     });
+}
+
+/// What became of the layers of a picture.
+pub fn layers(ui: &mut Ui, report: &FrameReport) {
+    let layers = &report.layers;
+    if report.plan.capture != Capture::None {
+        ui.label(format!("{} layers stored", grouped(layers.stored)));
+        ui.label(format!("{} merged", grouped(layers.merged)));
+        ui.label(format!("{} dropped", grouped(layers.dropped)));
+    }
+    if layers.lost > 0 {
+        ui.colored_label(ui.visuals().error_fg_color, format!("{} LOST", grouped(layers.lost)));
+    }
 }
 
 /// A number with thin gaps between thousands.

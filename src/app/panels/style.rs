@@ -5,7 +5,9 @@ use egui::{Color32, Context, CornerRadius, FontFamily, FontId, Stroke, TextStyle
 use crate::app::config::{Preferences, Theme};
 
 /// Blue that is told from grey under every kind of colour vision.
-const ACCENT: Color32 = Color32::from_rgb(0x3d, 0x86, 0xc6);
+pub const ACCENT: Color32 = Color32::from_rgb(0x3d, 0x86, 0xc6);
+/// Orange beside it, for what something else is better than.
+pub const BEATEN: Color32 = Color32::from_rgb(0xc8, 0x8a, 0x3a);
 
 /// What is behind the picture before there is one.
 pub fn behind_the_picture(dark: bool) -> Color32 {

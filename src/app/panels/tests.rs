@@ -19,7 +19,7 @@ use crate::render::PickedLayer;
 use crate::scene::{Arrangement, PartLook, PartStyle, Presence, builtin};
 use crate::settings::{CaptureKind, OpacityModel, Settings};
 
-fn workspace(file: &str) -> Workspace {
+pub(in crate::app) fn workspace(file: &str) -> Workspace {
     let mut workspace = Workspace::new(Preferences::default());
     let scene = Arc::new(builtin::build(file).unwrap());
     let camera = camera::first(&scene.bounds(), 1.0);
@@ -29,7 +29,7 @@ fn workspace(file: &str) -> Workspace {
     workspace
 }
 
-fn harness(workspace: Workspace) -> Harness<'static, Workspace> {
+pub(in crate::app) fn harness(workspace: Workspace) -> Harness<'static, Workspace> {
     let show = |ui: &mut egui::Ui, workspace: &mut Workspace| panels::show(ui, workspace);
     let mut harness = Harness::builder().with_size(egui::vec2(1280.0, 1600.0)).build_ui_state(show, workspace);
     super::style::set_up(&harness.ctx);
@@ -37,7 +37,7 @@ fn harness(workspace: Workspace) -> Harness<'static, Workspace> {
     harness
 }
 
-fn settings<'a>(harness: &'a Harness<'_, Workspace>) -> &'a Settings {
+pub(in crate::app) fn settings<'a>(harness: &'a Harness<'_, Workspace>) -> &'a Settings {
     &harness.state().document.as_ref().unwrap().seen.settings
 }
 

@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 
 use super::document::Seen;
 use super::watch::ShaderTexts;
-use crate::math::Camera;
+use crate::math::{Camera, LinearImage};
 use crate::render::{FrameReport, LayerHistogram, PickedLayer};
 use crate::scene::Scene;
 use crate::settings::Settings;
@@ -56,6 +56,8 @@ pub struct Against {
     pub settings: Settings,
     /// Their transfer functions.
     pub transfer: Arc<TransferFunction>,
+    /// Texts that stand in for shader modules, if they are other ones than for the present settings.
+    pub shaders: Option<Arc<ShaderTexts>>,
 }
 
 /// What pictures depend on or bring along beside what is seen.
@@ -152,6 +154,8 @@ pub struct Picture {
     pub size: [u32; 2],
     /// 8-bit sRGB, straight alpha.
     pub rgba: Vec<u8>,
+    /// The exact picture before it was rounded, linear light.
+    pub linear: Option<Arc<LinearImage>>,
     /// What is behind the model, linear light; `None` is transparent.
     pub background: Option<[f32; 3]>,
     /// From order to pixels.

@@ -308,8 +308,12 @@ impl Studio {
         {
             let mut other = order.clone();
             other.seen.settings = against.settings.clone();
-            other.extras =
-                Extras { transfer: Some(Arc::clone(&against.transfer)), against: None, ..order.extras.clone() };
+            other.extras = Extras {
+                transfer: Some(Arc::clone(&against.transfer)),
+                against: None,
+                shaders: Arc::clone(against.shaders.as_ref().unwrap_or(&order.extras.shaders)),
+                ..order.extras.clone()
+            };
             match self.fill(&other) {
                 Some(Delivery::Picture(picture)) => all.push(Delivery::Compared(picture)),
                 Some(Delivery::Fault(fault)) => {
@@ -464,6 +468,7 @@ impl Studio {
             viewport: order.size,
             size,
             rgba,
+            linear: (kind == Kind::Exact).then(|| Arc::new(frame.image)),
             background,
             milliseconds,
             software: bench.software,

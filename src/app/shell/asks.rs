@@ -38,6 +38,8 @@ impl Shell {
                 Ask::Redraw => {}
                 Ask::Pick(pixel, wish) => self.pick(pixel, wish),
                 Ask::Export(path) => self.export(&path),
+                Ask::Measure(wanted) => self.measure(wanted),
+                Ask::StopMeasuring => self.accuracy.stop(),
                 Ask::CancelExport => {
                     if let Some(exporting) = &self.exporting {
                         exporting.cancel();
