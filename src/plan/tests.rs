@@ -503,7 +503,7 @@ proptest! {
         unique.sort_unstable();
         unique.dedup();
         prop_assert_eq!(unique.len(), plan.buffers.len(), "a buffer is planned twice");
-        prop_assert_eq!(plan.features.is_some(), plan.runs(Pass::Curvature));
+        prop_assert_eq!(plan.features.is_some_and(|f| f.curvature), plan.runs(Pass::Curvature));
         prop_assert_eq!(plan.capture == Capture::None, plan.runs(Pass::Opaque));
         check_bands(&plan);
         // Textures are no bindings; everything else is. A compacted store's columns are cut to what was counted.
@@ -511,7 +511,7 @@ proptest! {
             let texture = ["image", "sums", "opaque_colors", "opaque_depth", "outline_mask"].contains(&buffer.name);
             prop_assert!(texture || buffer.bytes <= capabilities.max_binding.min(capabilities.max_buffer), "{buffer:?}");
         }
-        if plan.capture == Capture::Compacted {
+        if plan.capture.is_whole() {
             prop_assert!(plan.most_rows >= (2 * plan.apron + 1).min(height));
         }
         for (column, bytes) in plan.columns() {

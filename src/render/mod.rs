@@ -72,6 +72,21 @@ pub enum RenderError {
         /// Fragments that fit.
         limit: u64,
     },
+    /// One row of pixels has more fragments than the memory of linked lists holds.
+    #[error(
+        "row {row} of the image has {fragments} fragments with its neighbours; capture.linked_list.memory = {memory} MiB \
+         holds {limit}"
+    )]
+    ListsTooLarge {
+        /// Row of the image.
+        row: u32,
+        /// Fragments of its smallest band.
+        fragments: u64,
+        /// Fragments that fit.
+        limit: u64,
+        /// Memory that is allowed, MiB.
+        memory: u64,
+    },
 }
 
 impl From<GpuError> for RenderError {
@@ -91,6 +106,8 @@ pub struct FrameReport {
     pub milliseconds: f64,
     /// Bands that it took.
     pub bands: usize,
+    /// Bands whose linked lists were filled a second time, because the buffers had been too small for all fragments.
+    pub refilled: u32,
     /// Bytes of the buffers that the frame used.
     pub buffer_bytes: u64,
     /// What was executed.

@@ -12,7 +12,7 @@ mod table;
 use serde::Serialize;
 
 use crate::oracle::compare::AMBIGUOUS;
-use crate::passes::{capture, composite, features, geometry, opacity, opaque, shade};
+use crate::passes::{capture, composite, features, geometry, illustration, opacity, opaque, shade};
 use crate::plan::Refusal;
 use crate::render::{RenderError, Renderer};
 use crate::scene::hard_case::{Contrast, HardCase, Method};
@@ -38,6 +38,7 @@ pub const ROOMS: &[Room] = &[
     Room { technique: "passes/features", cases: features::cases::CASES },
     Room { technique: "passes/shade", cases: shade::CASES },
     Room { technique: "passes/opacity", cases: opacity::CASES },
+    Room { technique: "passes/illustration", cases: illustration::cases::CASES },
     Room { technique: "passes/opaque", cases: opaque::CASES },
     Room { technique: "passes/composite", cases: composite::cases::CASES },
 ];
@@ -181,7 +182,9 @@ impl CaseError {
             CaseError::Render(RenderError::Refused(refusal)) => {
                 !matches!(refusal, Refusal::TooManyParts { .. } | Refusal::EmptyImage { .. } | Refusal::Transfer(_))
             }
-            CaseError::Render(RenderError::PixelTooDeep { .. } | RenderError::RowTooDeep { .. }) => true,
+            CaseError::Render(
+                RenderError::PixelTooDeep { .. } | RenderError::RowTooDeep { .. } | RenderError::ListsTooLarge { .. },
+            ) => true,
             CaseError::Banded { .. } => true,
             _ => false,
         }
@@ -300,7 +303,7 @@ mod tests {
     /// A technique is a module of `passes` that draws something: all but the plumbing that techniques share.
     #[test]
     fn every_technique_has_cases() {
-        let plumbing = ["mod", "shaders", "store", "uniforms"];
+        let plumbing = ["mod", "operators", "shaders", "store", "uniforms"];
         let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("src/passes");
         let modules: HashSet<String> = std::fs::read_dir(folder)
             .unwrap()

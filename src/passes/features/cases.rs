@@ -57,8 +57,8 @@ pub const CASES: &[HardCase] = &[
         ours: PLAIN,
         contrast: Some(Planted(Method::of("depth in the scene's range", "").changed(
             "passes/features/links_by_buckets",
-            "(x * x + y * y + z * z) + dz * dz",
-            "(x * x + y * y + z * z) + dz * dz * frame.depth_scale",
+            "depth_measures(dz, dz_back)",
+            "depth_measures(dz, dz_back) * frame.depth_scale",
         ))),
         measure: Measure::LinksUnlike(Builtin("builtin:hard/soup?seed=71&parts=3&triangles=30&far=1000")),
         bound: 0.0,

@@ -186,7 +186,7 @@ impl<'a> Stand<'a> {
         let shot = self.shot()?;
         let k = match shot.frame.report.plan.capture {
             Capture::BucketedKBuffer { k, .. } => k as usize,
-            Capture::Compacted | Capture::None => usize::MAX,
+            Capture::Compacted | Capture::LinkedList { .. } | Capture::None => usize::MAX,
         };
         let camera = self.camera(&self.scene);
         let how = (self.settings.capture.normals, TURN);
