@@ -53,7 +53,7 @@ pub const AXES: &[Axis] = &[
 ];
 
 /// Initial and boundary conditions.
-pub const BOUNDARY: Operator = Operator::local("passes/illustration/boundary");
+pub const BOUNDARY: Operator = Operator::first("passes/illustration/boundary");
 /// One step of diffusion.
 pub const DIFFUSE: Operator = Operator::local("passes/illustration/diffuse");
 /// Opacity out of the fields.
@@ -106,7 +106,7 @@ pub fn ends_spec(plan: &FramePlan) -> ShaderSpec {
 pub fn illustrate(context: &mut Context<'_>) -> Result<(), GpuError> {
     let Some(illustration) = context.plan.illustration else { return Ok(()) };
     context.per_pixel(Pass::Boundary, &ends_spec(context.plan), "main")?;
-    operators::begin(context, Pass::Boundary, &BOUNDARY)?;
+    operators::run(context, Pass::Boundary, &BOUNDARY, 0)?;
     operators::repeat(context, Pass::Diffuse, &DIFFUSE, illustration.most_steps)?;
     operators::run(context, Pass::Illustrate, &ILLUSTRATE, illustration.most_steps)
 }

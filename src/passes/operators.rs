@@ -23,6 +23,8 @@ use crate::plan::{FramePlan, Pass};
 pub enum Kind {
     /// Colour and opacity of a layer, in place.
     Pointwise,
+    /// Fields of a layer, from nothing into the first column.
+    First,
     /// Fields of a layer, from one column into the other.
     Local,
 }
@@ -42,6 +44,11 @@ impl Operator {
         Operator { kind: Kind::Pointwise, module }
     }
 
+    /// A local operator that makes the first fields.
+    pub const fn first(module: &'static str) -> Operator {
+        Operator { kind: Kind::First, module }
+    }
+
     /// A local operator.
     pub const fn local(module: &'static str) -> Operator {
         Operator { kind: Kind::Local, module }
@@ -51,10 +58,11 @@ impl Operator {
     pub fn spec(&self, plan: &FramePlan) -> ShaderSpec {
         let modules = StoreModules::of(plan);
         let root = match self.kind {
-            Kind::Pointwise => "passes/operators/pointwise",
-            Kind::Local => "passes/operators/local",
+            Kind::Pointwise => ShaderSpec::new("passes/operators/pointwise"),
+            Kind::First => ShaderSpec::new("passes/operators/local").with("passes/operators/field_none"),
+            Kind::Local => ShaderSpec::new("passes/operators/local").with("passes/operators/field_before"),
         };
-        modules.normals(modules.keys(modules.layout(ShaderSpec::new(root).with(self.module))))
+        modules.normals(modules.keys(modules.layout(root.with(self.module))))
     }
 }
 
@@ -79,27 +87,18 @@ fn columns_of(resources: &Resources, step: u32) -> Resources {
     turned
 }
 
-/// Runs an operator once: a pointwise one over the fields after `step` steps, if it reads any; a local one that writes them.
+/// Runs an operator once: a pointwise one over the fields after `step` steps, if it reads any; a local one from them to the
+/// next.
 ///
 /// # Errors
 /// [`GpuError`] of the device.
 pub fn run(context: &mut Context<'_>, pass: Pass, operator: &Operator, step: u32) -> Result<(), GpuError> {
     let kernel = context.shaders.kernel(&operator.spec(context.plan), "main")?;
     let groups = [context.width().div_ceil(16), context.rows().div_ceil(16), 1];
-    let resources = columns_of(context.resources, step);
-    context.recorder.compute(pass, &kernel, &context.frame, &resources, groups)
-}
-
-/// Fills the fields for the first time, by a local operator that does not read them.
-///
-/// # Errors
-/// [`GpuError`] of the device.
-pub fn begin(context: &mut Context<'_>, pass: Pass, operator: &Operator) -> Result<(), GpuError> {
-    let kernel = context.shaders.kernel(&operator.spec(context.plan), "main")?;
-    let groups = [context.width().div_ceil(16), context.rows().div_ceil(16), 1];
-    let mut resources = context.resources.clone();
-    resources.alias("field_in", column_after(0));
-    resources.alias("field_out", column_after(0));
+    let mut resources = columns_of(context.resources, step);
+    if operator.kind == Kind::First {
+        resources.alias("field_out", column_after(0));
+    }
     context.recorder.compute(pass, &kernel, &context.frame, &resources, groups)
 }
 

@@ -6,20 +6,19 @@ use std::time::Instant;
 use glam::DVec2;
 
 use super::targets::{Targets, texture};
+use super::whole::draw_whole;
 use super::{Frame, FrameReport, RenderError, Renderer};
 use crate::gpu::{GpuError, PassTime, Recorder, Resource, go_on};
 use crate::math::color::linear_from_srgb;
 use crate::math::{Camera, LinearImage, Projection, ViewFrustum};
-use crate::passes::capture::{
-    BAND_DEEPEST, LayerCounts, STATISTICS_WORDS, bucketed_k_buffer, buckets, compacted, linked_list, sort,
-};
+use crate::passes::capture::{LayerCounts, STATISTICS_WORDS, bucketed_k_buffer, buckets, compacted, linked_list, sort};
 use crate::passes::composite::outline;
 use crate::passes::features::{self, curvature, neighbours};
 use crate::passes::geometry::{GpuScene, Instances};
 use crate::passes::{
     BlendParameters, Context, FrameUniform, StoreLayout, composite, illustration, opacity, opaque, operators, shade,
 };
-use crate::plan::{self, Band, Capture, FramePlan, Pass};
+use crate::plan::{Band, Capture, FramePlan, Pass};
 use crate::settings::{NeighbourSearch, Settings};
 use crate::transfer::{TransferFunction, hex};
 
@@ -205,86 +204,6 @@ pub(super) fn time_unsorted(
     Ok(begin.elapsed().as_secs_f64() * 1e3)
 }
 
-/// Captures all layers: counts, cuts bands that fit, and draws each. Linked lists are filled and counted in one, and filled
-/// again where there was no room for all of them.
-fn draw_whole(
-    renderer: &mut Renderer,
-    plan: &FramePlan,
-    view: &View<'_>,
-    blank: &wgpu::TextureView,
-    tally: &mut Tally,
-) -> Result<(), RenderError> {
-    let height = plan.size[1];
-    // A band without apron may hold as many rows as its pixel table fits; usually that is all of them.
-    let mut rows = Vec::with_capacity(height as usize);
-    let mut deepest = 0;
-    let room = make_room(renderer, plan)?;
-    for first in (0..height).step_by(plan.most_rows as usize) {
-        let end = height.min(first + plan.most_rows);
-        let piece = Band { first_row: first, end_row: end, first_output_row: first, end_output_row: end };
-        let mut work = Work::new(renderer, plan, view, piece, blank)?;
-        count_band(&mut work.context(), view.scene)?;
-        work.submit_times(tally)?;
-        let words = |name, count: u64| -> Result<Vec<u32>, GpuError> {
-            let bytes = renderer.gpu.read_buffer(renderer.resources.require("prefix sum", name)?, 4 * count)?;
-            Ok(bytes.chunks_exact(4).map(bytemuck::pod_read_unaligned).collect())
-        };
-        rows.extend(words("row_sums", u64::from(end - first))?.into_iter().map(u64::from));
-        deepest = deepest.max(words("statistics", STATISTICS_WORDS as u64)?[BAND_DEEPEST]);
-    }
-    let most = renderer.gpu.capabilities().most_layers;
-    if deepest > most {
-        return Err(RenderError::PixelTooDeep { layers: deepest, limit: most });
-    }
-    let largest = renderer.gpu.capabilities().largest_buffer();
-    let limit = plan.most_fragments(largest);
-    let bands = plan::bands_of_rows(&rows, plan.apron, limit, plan.most_rows).map_err(|(row, fragments)| match plan
-        .capture
-    {
-        Capture::LinkedList { memory, .. } if limit < largest / plan.widest_column() => {
-            RenderError::ListsTooLarge { row, fragments, limit, memory: memory >> 20 }
-        }
-        _ => RenderError::RowTooDeep { row, fragments, limit },
-    })?;
-    let single = bands.len() == 1;
-    for band in bands {
-        let fragments = rows[band.first_row as usize..band.end_row as usize].iter().sum();
-        let lacking = room.is_some_and(|room| fragments > room);
-        ensure_fragments(renderer, plan, fragments, deepest)?;
-        let mut work = Work::new(renderer, plan, view, band, blank)?;
-        let mut context = work.context();
-        context.deepest = deepest;
-        if !single || lacking {
-            count_band(&mut context, view.scene)?;
-            tally.refilled += u32::from(lacking);
-        }
-        capture_counted(&mut context, view.scene)?;
-        light_layers(&mut context)?;
-        composite::blend(&mut context)?;
-        work.finish(tally)?;
-    }
-    Ok(())
-}
-
-/// Makes room for linked lists before their fragments are counted: as planned, or as much as an earlier frame needed. Gives
-/// the number of fragments.
-fn make_room(renderer: &mut Renderer, plan: &FramePlan) -> Result<Option<u64>, GpuError> {
-    if !plan.runs(Pass::Fill) {
-        return Ok(None);
-    }
-    let gpu = renderer.gpu.clone();
-    let there = renderer.resources.buffer("list_next").map_or(0, |b| b.size() / 4);
-    let pixels = u64::from(plan.size[0]) * u64::from(plan.most_rows);
-    let most = plan.most_fragments(gpu.capabilities().largest_buffer());
-    let room = plan.first_capacity(pixels).max(there).clamp(1, most.max(1));
-    for (name, bytes) in plan.columns().into_iter().filter(|(name, _)| linked_list::COLUMNS.contains(name)) {
-        renderer.resources.ensure(&gpu, name, bytes * room)?;
-    }
-    let layout = StoreLayout { k: 0, capacity: room as u32, chunk: 1, _pad: 0 };
-    renderer.resources.set("store_layout", Resource::Buffer(gpu.uniform("store_layout", &layout)?));
-    Ok(Some(room))
-}
-
 /// Rows of k slots, from clearing them to their surfaces.
 pub(super) fn capture_rows(context: &mut Context<'_>, scene: &GpuScene) -> Result<(), GpuError> {
     bucketed_k_buffer::clear(context)?;
@@ -367,7 +286,7 @@ pub(super) struct Tally {
     layers: LayerCounts,
     times: Vec<PassTime>,
     bands: usize,
-    refilled: u32,
+    pub(super) refilled: u32,
 }
 
 /// A band at work: its frame uniform, its recorder, the renderer's resources.
@@ -444,7 +363,7 @@ impl<'a> Work<'a> {
     }
 
     /// Submits, waits, and adds times and counts.
-    fn finish(self, tally: &mut Tally) -> Result<(), GpuError> {
+    pub(super) fn finish(self, tally: &mut Tally) -> Result<(), GpuError> {
         let renderer = self.renderer;
         let whole = self.plan.capture.is_whole();
         self.recorder.submit().add_times(&mut tally.times)?;

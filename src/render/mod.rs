@@ -5,6 +5,7 @@ mod histogram;
 mod pick;
 mod readback;
 mod targets;
+mod whole;
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;

@@ -7,10 +7,10 @@
 fn operate(at: Layer, own: vec4<f32>, around: Around, beside: Beside) -> vec4<f32> {
     let u = own.xyz;
     // A neighbour that is missing is the layer itself: nothing flows, nothing is greater.
-    let right = field_in[around.slots.x].xyz;
-    let left = field_in[around.slots.y].xyz;
-    let down = field_in[around.slots.z].xyz;
-    let up = field_in[around.slots.w].xyz;
+    let right = field_of(around.slots.x).xyz;
+    let left = field_of(around.slots.y).xyz;
+    let down = field_of(around.slots.z).xyz;
+    let up = field_of(around.slots.w).xyz;
     let fixed = u32(own.w);
     let is_fixed = vec3<bool>(false, (fixed & FIXED_BETA) != 0u, (fixed & FIXED_GAMMA) != 0u);
     let lambda = illustration.lambda.xyz;

@@ -1,8 +1,7 @@
 //@ use passes/operators/layer
 //@ use passes/illustration/parameters
+//@ use passes/operators/field_before
 // Opacity out of base, silhouettes and halos (Carnecky 2013, Algorithm 3, line 4), after their profiles.
-
-@group(1) @binding(18) var<storage, read_write> field_in: array<vec4<f32>>;
 
 // 1 - exp(-x) for x from 0 on, without its cancellation.
 fn risen(x: f32) -> f32 {
@@ -31,7 +30,7 @@ fn profiled(u: f32, profile: u32, p: f32) -> f32 {
 }
 
 fn operate(at: Layer, color: vec4<f32>) -> vec4<f32> {
-    let field = field_in[at.base + at.index];
+    let field = field_of(at.base + at.index);
     let beta = profiled(field.y, illustration.profile.y, illustration.p.y);
     let gamma = profiled(field.z, illustration.profile.z, illustration.p.z);
     let alpha = (1.0 - gamma) * (field.x + (1.0 - field.x) * beta);

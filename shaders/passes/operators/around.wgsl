@@ -14,7 +14,7 @@ fn beside(x: u32, pixel: u32) -> Beside {
     let pixels = select(
         vec4<u32>(pixel),
         vec4<u32>(pixel + 1u, pixel - 1u, pixel + width, pixel - width),
-        vec4<bool>(x + 1u < width, x > 0u, pixel + width < pixels_in_store(), pixel >= width),
+        vec4<bool>((x + 1u < width), (x > 0u), (pixel + width < pixels_in_store()), (pixel >= width)),
     );
     return Beside(
         pixels,
