@@ -346,7 +346,7 @@ pub const CASES: &[HardCase] = &[
         ours: Method::of("compacted", ""),
         contrast: Some(Planted(Method::of("surfaces not gathered", "").changed(
             "passes/capture/compacted/gather",
-            "let source = base + sources[base + i];",
+            "let source = source_of(base, sources[base + i]);",
             "let source = base + i;",
         ))),
         measure: Measure::RandomScenes,
