@@ -5,10 +5,10 @@
 //!   It may read the layers of its pixel (`at.count` of them from `at.base` on), features, and neighbours through
 //!   `passes/operators/around`, but no other layer's lit colour.
 //! - **Local**: `fn operate(at: Layer, own: vec4<f32>, around: Around, beside: Beside) -> vec4<f32>` gives a layer's fields
-//!   (four numbers that mean what the operator says) from its own and its neighbours'. Fields are read from `field_in` and
-//!   written to `field_out`, the two columns changing places (ping-pong), so the order of layers does not matter. It can be
-//!   [repeated](repeat); `fn has_changed(own, next) -> bool` then says whether the step was worth it, and the GPU stops where
-//!   none was.
+//!   (four numbers that mean what the operator says) from its own and its neighbours'. Fields are read from `field_in`
+//!   (`field_of(slot)`) and written to `field_out`, the two columns changing places (ping-pong), so the order of layers does
+//!   not matter; the first operator of a frame reads none. It can be [repeated](repeat): `fn has_changed(own, next) -> bool`
+//!   says whether a step was worth it, and the GPU stops where none was.
 //!
 //! Which modules give access to the store is added here, so that an operator runs over every capture. A plan whose fields come
 //! from n rows away captures and lights n rows more above and below a band ([`FramePlan::lit_apron`]).
