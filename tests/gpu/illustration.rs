@@ -19,7 +19,7 @@ fn lively_settings(pairs: &str) -> Settings {
 }
 
 fn views() -> Vec<(String, Scene, Camera)> {
-    let scene = |seed: u64| if seed % 3 == 0 { meshes::soups(seed, 9, 14) } else { meshes::assembly(seed) };
+    let scene = |seed: u64| if seed.is_multiple_of(3) { meshes::soups(seed, 9, 14) } else { meshes::assembly(seed) };
     (21..if full() { 27 } else { 24 })
         .map(|seed| {
             let scene = scene(seed);
