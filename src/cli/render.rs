@@ -83,7 +83,10 @@ impl Session {
 /// The failure that an error of the renderer is.
 pub fn failed(error: RenderError) -> Failure {
     let exit = match &error {
-        RenderError::Refused(_) | RenderError::RowTooDeep { .. } | RenderError::PixelTooDeep { .. } => Exit::Limits,
+        RenderError::Refused(_)
+        | RenderError::RowTooDeep { .. }
+        | RenderError::ListsTooLarge { .. }
+        | RenderError::PixelTooDeep { .. } => Exit::Limits,
         RenderError::Gpu(GpuError::OutOfMemory { .. } | GpuError::Exhausted) => Exit::Limits,
         _ => Exit::General,
     };

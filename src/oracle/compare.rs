@@ -7,17 +7,21 @@ use std::collections::HashMap;
 
 use glam::{DVec2, DVec3, Vec3};
 
+use super::continuity::neighbours_by;
 use super::cut::ViewCut;
-use super::neighbours::{Link, Neighbours, neighbours_expected};
+use super::neighbours::{Link, Neighbours};
 use super::raster::{Fragment, Layers};
 use super::store::StoreData;
 use super::stylize::Tables;
 use super::view::{Extents, View};
-use super::{composite, curvature, rasterize, shade, stylize};
+use super::{composite, curvature, illustration, models, rasterize, shade, stylize};
 use crate::math::color::srgb_from_linear;
 use crate::math::{Camera, LightLevels, LightRig};
 use crate::scene::{CutPlane, Scene};
-use crate::settings::{CurvatureSettings, DepthTerm, LightSettings, NormalEncoding, Settings};
+use crate::settings::{
+    CurvatureSettings, DepthTerm, IllustrativeSettings, LightSettings, NormalEncoding, OpacityModel, PrintedForm,
+    Settings,
+};
 use crate::transfer::TransferFunction;
 
 /// At most this share of samples may be ambiguous, else a comparison says nothing.
@@ -232,8 +236,8 @@ pub fn links_cut(
     (term, reverse_check): (DepthTerm, bool),
 ) -> Comparison {
     let view = View::new(camera, [s.width, s.height], DVec2::ZERO);
-    let slope = (term == DepthTerm::Slope).then_some(&view);
-    let mut expected = neighbours_expected(s, &Extents::new(scene, camera), slope, reverse_check);
+    let extents = Extents::new(scene, camera);
+    let mut expected = neighbours_by(s, &extents, &view, (term, reverse_check));
     if !planes.is_empty() {
         ViewCut::new(planes, camera, view).apply(s, &mut expected);
     }
@@ -318,11 +322,33 @@ pub fn picture(
     let extents = Extents::new(scene, camera);
     let store = StoreData::from_layers(&rasterize(scene, camera, size, jitter));
     let view = View::new(camera, size, jitter);
-    let slope = (settings.features.depth_term == DepthTerm::Slope).then_some(&view);
-    let links = neighbours_expected(&store, &extents, slope, settings.features.reverse_check);
+    let how = (settings.features.depth_term, settings.features.reverse_check);
+    let links = neighbours_by(&store, &extents, &view, how);
     let bent = curvature(&store, &links, &view, &extents, &settings.features.curvature);
     let lit = shade::shade(&store, &view, &rig(&settings.light));
     let tables = Tables::of(transfer);
-    let colors = stylize::stylize(&store, &lit, &bent.kappa, &extents, &settings.opacity, &tables);
+    let mut colors = stylize::stylize(&store, &lit, &bent.kappa, &extents, &settings.opacity, &tables);
+    for (color, opacity) in colors.iter_mut().zip(models::opacities(&store, &links.links, &view, &settings.opacity)) {
+        color[3] *= opacity;
+    }
+    if settings.opacity.model == OpacityModel::Illustrative {
+        let base: Vec<f64> = colors.iter().map(|c| c[3]).collect();
+        let (_, opacities) = illustrated(&store, &links.links, &base, &settings.opacity.illustrative);
+        colors.iter_mut().zip(opacities).for_each(|(color, opacity)| color[3] = opacity);
+    }
     composite::front_to_back(&store, &colors, None)
+}
+
+/// Fields after diffusion and the opacity of every fragment, from links and base opacity. Never as printed.
+pub fn illustrated(
+    store: &StoreData,
+    links: &[[Link; 4]],
+    base: &[f64],
+    settings: &IllustrativeSettings,
+) -> (illustration::Fields, Vec<f64>) {
+    let settings = IllustrativeSettings { printed: PrintedForm::None, ..settings.clone() };
+    let begun = illustration::boundary(store, links, base, false);
+    let fields = illustration::diffuse(&illustration::adjacency(store, links), &begun, &settings);
+    let opacities = illustration::opacities(&fields, &settings);
+    (fields, opacities)
 }

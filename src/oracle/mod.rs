@@ -8,12 +8,16 @@
 //! |---|---|---|---|
 //! | capture | [`raster`] | scene, camera | [`Layers`]: every fragment of every pixel |
 //! | | [`buckets`] | the fragments of one pixel, k | the paper's Z, B and data slots |
+//! | | [`linked_list`] | fragments in order of arrival | the lists of all pixels, and the paper's sort |
 //! | | [`store`] | layers | [`StoreData`], the neutral form that read-backs have too |
 //! | | [`cut`] | positions, links | what section planes cut away and leave unknown |
 //! | features | [`neighbours`] | store | four [`Link`]s a fragment |
+//! | | [`continuity`] | store | the same by the illustration buffer's measure |
 //! | | [`curvature`] | store, links | κ and the 2×2 operator |
 //! | shading | [`shade`], [`lighting`] | store, lights | lit colour |
 //! | opacity | [`stylize`] | store, lit colour, κ, tables | colour and alpha |
+//! | | [`models`] | store, links | opacity by the other models |
+//! | | [`illustration`] | links, base opacity | the fields α, β, γ and opacity |
 //! | composite | [`composite`] | store, colour and alpha | the image |
 //!
 //! An [`arranged`] scene is a scene again. [`compare`] holds each stage of a GPU against these. [`view`] reads camera and image size as the shaders do; [`analytic`] makes stores of surfaces whose curvature is
@@ -31,9 +35,13 @@ pub mod arranged;
 pub mod buckets;
 pub mod compare;
 pub mod composite;
+pub mod continuity;
 pub mod curvature;
 pub mod cut;
+pub mod illustration;
 pub mod lighting;
+pub mod linked_list;
+pub mod models;
 pub mod neighbours;
 pub mod raster;
 pub mod shade;
@@ -45,6 +53,7 @@ pub mod view;
 pub use buckets::{Books, BucketedPixel, PackedKey, WideKey, bucket_k_buffer};
 pub use curvature::{Curvature, curvature};
 pub use cut::ViewCut;
+pub use linked_list::Lists;
 pub use neighbours::{Direction, Link, Neighbours, neighbours, neighbours_expected};
 pub use raster::{Fragment, Layers, Pixel, SurfaceInputs, rasterize, rasterize_cut};
 pub use store::StoreData;

@@ -130,7 +130,7 @@ pub fn neighbours_expected(
 
 /// The depth at which fragment `i` of pixel `p` expects its surface in the adjacent pixel `q`: its own, or with a view where
 /// its tangent plane crosses the middle of `q`. A plane seen nearly edge-on gives at most the slope of 1 : 20.
-fn expected_depth(store: &StoreData, slope: Option<&View>, i: usize, p: usize, q: usize) -> f64 {
+pub(super) fn expected_depth(store: &StoreData, slope: Option<&View>, i: usize, p: usize, q: usize) -> f64 {
     let Some(view) = slope else { return store.depth[i] };
     let normal = Vec3::from(store.normal[i]).as_dvec3();
     let depth = store.depth[i];

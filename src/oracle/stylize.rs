@@ -6,6 +6,8 @@
 //! # Choices
 //! - `Constant` leaves colour as it is; its alpha is the constant times the material's. `Opaque` leaves colour as it is
 //!   and has alpha 1 everywhere: material alpha does not act, so that no capture is needed.
+//! - Models that look at a pixel's layers, at angles or at neighbours leave colour and the material's alpha as they are here;
+//!   [`super::models`] has the opacity by which they multiply it. Of illustrative transparency this is the base.
 
 use super::store::StoreData;
 use super::view::Extents;
@@ -98,10 +100,13 @@ pub fn stylize(
     (0..store.len())
         .map(|i| {
             let material_alpha = f64::from(store.base_color[i][3]);
-            let (rgb, alpha) = match settings.model {
+            let (rgb, alpha) = match settings.base_model() {
                 OpacityModel::Opaque => (lit[i], 1.0),
                 OpacityModel::Constant => (lit[i], settings.constant * material_alpha),
-                OpacityModel::Curvature => {
+                OpacityModel::Adaptive | OpacityModel::AngleBased | OpacityModel::NormalVariation => {
+                    (lit[i], material_alpha)
+                }
+                OpacityModel::Curvature | OpacityModel::Illustrative => {
                     let opacity = tables.opacity_at(extents.depth01(store.depth[i]), kappa[i].abs());
                     let rgb = apply_color(tables.mode, lit[i], tables.color_at(kappa[i]));
                     (rgb, settings.gain * opacity * material_alpha)

@@ -8,16 +8,19 @@ pub mod capture;
 pub mod composite;
 pub mod features;
 pub mod geometry;
+pub mod illustration;
 pub mod opacity;
 pub mod opaque;
+pub mod operators;
 pub mod shade;
 pub mod shaders;
 pub mod store;
 mod uniforms;
 
 pub use uniforms::{
-    BlendParameters, CurvatureParameters, FrameUniform, InstanceUniform, MaterialUniform, OutlineParameters, PartFacts,
-    Sections, ShadeParameters, StoreLayout, TransferParameters,
+    BlendParameters, CurvatureParameters, FrameUniform, IllustrationParameters, InstanceUniform, MaterialUniform,
+    ModelParameters, OutlineParameters, PartFacts, Sections, ShadeParameters, StepParameters, StoreLayout,
+    TransferParameters,
 };
 
 use crate::gpu::{Gpu, GpuError, Recorder, Resources, ShaderSpec, Shaders};
@@ -33,9 +36,11 @@ pub const TECHNIQUES: &[Technique] = &[
         axes: capture::bucketed_k_buffer::AXES,
         crosses: capture::bucketed_k_buffer::CROSSES,
     },
+    Technique { room: "capture/linked_list", axes: capture::linked_list::AXES, crosses: &[] },
     Technique { room: "store", axes: store::AXES, crosses: &[] },
     Technique { room: "features/neighbours", axes: features::neighbours::AXES, crosses: &[] },
     Technique { room: "features/curvature", axes: features::curvature::AXES, crosses: &[] },
+    Technique { room: "illustration", axes: illustration::AXES, crosses: &[] },
     Technique { room: "composite/mod", axes: composite::AXES, crosses: &[] },
 ];
 
@@ -53,6 +58,8 @@ pub struct Context<'a> {
     pub columns: std::ops::Range<u32>,
     /// Group 0.
     pub frame: wgpu::BindGroup,
+    /// The same, with the rows in which layers are lit as those that are written.
+    pub lit_frame: wgpu::BindGroup,
     /// Buffers by name.
     pub resources: &'a Resources,
     /// A target of the image's size that nothing is written to: raster passes take their size from it.
@@ -92,7 +99,7 @@ impl Context<'_> {
     pub fn per_chunk(&mut self, pass: Pass, spec: &ShaderSpec, entry: &str) -> Result<(), GpuError> {
         let longest = match self.plan.capture {
             Capture::BucketedKBuffer { k, .. } => k,
-            Capture::Compacted | Capture::None => self.deepest,
+            Capture::Compacted | Capture::LinkedList { .. } | Capture::None => self.deepest,
         };
         let chunks = longest.div_ceil(features::chunk(self.plan, longest)).max(1);
         let groups = [self.width().div_ceil(16), self.rows().div_ceil(16), chunks];

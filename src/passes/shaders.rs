@@ -6,18 +6,18 @@
 
 use std::collections::HashSet;
 
-use super::capture::{bucketed_k_buffer, buckets, compacted, sort};
+use super::capture::{bucketed_k_buffer, buckets, compacted, linked_list, sort};
 use super::composite::outline;
 use super::features::{curvature, neighbours};
 use super::geometry::{CLIP, Vertices, vertex_stages};
 use super::store::StoreModules;
-use super::{composite, opacity, opaque, shade};
+use super::{composite, illustration, opacity, opaque, operators, shade};
 use crate::gpu::ShaderSpec;
 use crate::plan::{self, Capabilities, Capture, FramePlan, Opacity, Pass, ViewStats};
 use crate::scene::{Scene, SceneStats};
 use crate::settings::{
-    CaptureKind, CurvatureUnit, DepthQuantization, DepthTerm, KeyFormat, NeighbourSearch, NormalEncoding, OpacityModel,
-    Settings, SlotSearch, Tail,
+    CaptureKind, CurvatureUnit, DepthQuantization, DepthTerm, KeyFormat, ListSort, NeighbourSearch, NormalEncoding,
+    OpacityModel, PrintedForm, Settings, SlotSearch, Tail,
 };
 use crate::transfer::{ColorFunction, TransferFunction, TransferSource};
 
@@ -54,11 +54,16 @@ fn sorted(plan: &FramePlan, elements: &'static str, classified: bool) -> Vec<Use
     let modules = StoreModules::of(plan);
     let longest = match plan.capture {
         Capture::BucketedKBuffer { k, .. } => k,
-        Capture::Compacted | Capture::None => u32::MAX / 2,
+        Capture::Compacted | Capture::LinkedList { .. } | Capture::None => u32::MAX / 2,
     };
     let classes = classified.then(|| (sort::classify_spec(&modules), sort::CLASSIFY_ENTRIES.as_slice()));
     let sorts = sort::sort_specs(&modules, elements, longest).into_iter().map(|spec| (spec, MAIN));
     classes.into_iter().chain(sorts).collect()
+}
+
+/// Whether lists are sorted without being classified by their length.
+fn by_selection(plan: &FramePlan) -> bool {
+    matches!(plan.capture, Capture::LinkedList { sort: ListSort::Selection, .. })
 }
 
 /// The shaders of a pass in a plan.
@@ -73,10 +78,19 @@ fn shaders_of(plan: &FramePlan, pass: Pass) -> Vec<Used> {
         Pass::Count => drawn(Vertices::Depth, &|v| compacted::count_spec(plan, v)),
         Pass::PrefixSum => vec![(compacted::prefix_sum_spec(), &compacted::PREFIX_SUM_ENTRIES)],
         Pass::Append => drawn(Vertices::Surface, &|v| compacted::append_spec(plan, v)),
-        Pass::Sort => sorted(plan, compacted::SORTED, true),
+        Pass::Fill => drawn(Vertices::Surface, &|v| linked_list::fill_spec(plan, v)),
+        Pass::Sort => match plan.capture {
+            Capture::LinkedList { sort: sort @ ListSort::Selection, .. } => one(linked_list::walk_spec(plan, sort)),
+            Capture::LinkedList { sort, .. } => {
+                let mut all = sorted(plan, linked_list::SORTED, true);
+                all.push((linked_list::walk_spec(plan, sort), MAIN));
+                all
+            }
+            _ => sorted(plan, compacted::SORTED, true),
+        },
         Pass::Gather => one(compacted::gather_spec(plan)),
         Pass::PartLookup => one(buckets::part_lookup_spec(plan)),
-        Pass::ZReordering => sorted(plan, buckets::SORTED, plan.capture != Capture::Compacted),
+        Pass::ZReordering => sorted(plan, buckets::SORTED, !plan.runs(Pass::Sort) || by_selection(plan)),
         Pass::BucketCreation => one(buckets::bucket_creation_spec(plan)),
         Pass::DataStorage => drawn(Vertices::Surface, &|v| bucketed_k_buffer::data_storage_spec(plan, v)),
         Pass::NeighbourCandidates => {
@@ -91,7 +105,12 @@ fn shaders_of(plan: &FramePlan, pass: Pass) -> Vec<Used> {
         Pass::CutLinks => one(neighbours::cut_spec(plan)),
         Pass::Curvature => plan.features.iter().map(|f| (curvature::spec(plan, f), MAIN)).collect(),
         Pass::Shade => one(shade::spec(plan)),
-        Pass::Stylize => one(opacity::spec(plan)),
+        Pass::Stylize => opacity::operator(plan.opacity).iter().flat_map(|o| one(o.spec(plan))).collect(),
+        Pass::Boundary => {
+            vec![(illustration::ends_spec(plan), MAIN), (illustration::BOUNDARY.spec(plan), MAIN)]
+        }
+        Pass::Diffuse => vec![(operators::next_step_spec(), MAIN), (illustration::DIFFUSE.spec(plan), MAIN)],
+        Pass::Illustrate => one(illustration::ILLUSTRATE.spec(plan)),
         Pass::Blend => one(composite::blend_spec(plan)),
         Pass::OutlineMask => drawn(Vertices::Depth, &|v| outline::mask_spec(plan, v)),
         Pass::Outline => one(outline::outline_spec()),
@@ -124,7 +143,10 @@ pub fn all_plans() -> Vec<FramePlan> {
                 };
                 let passes: Vec<Pass> = plan.passes.iter().map(|p| p.pass).collect();
                 let looks = (plan.faded, plan.recolored, plan.section_planes > 0);
-                let key = format!("{:?}", (plan.capture, plan.normals, plan.features, plan.opacity, looks, passes));
+                let key = format!(
+                    "{:?}",
+                    (plan.capture, plan.normals, plan.features, plan.opacity, plan.illustration, looks, passes)
+                );
                 if seen.insert(key) {
                     plans.push(plan);
                 }
@@ -169,16 +191,41 @@ fn all_settings() -> Vec<Settings> {
     }
     all[0].capture.bucketed_k_buffer.k = 64;
     all[0].image.samples = 2;
-    vary(&mut all, CaptureKind::ALL, |s, v| s.capture.kind = v);
+    // What is another capture's changes nothing.
+    let mut captures = Vec::new();
+    for &kind in CaptureKind::ALL {
+        let mut some = all.clone();
+        some[0].capture.kind = kind;
+        match kind {
+            CaptureKind::Compacted => {}
+            CaptureKind::LinkedList => vary(&mut some, ListSort::ALL, |s, v| s.capture.linked_list.sort = v),
+            CaptureKind::BucketedKBuffer => {
+                vary(&mut some, KeyFormat::ALL, |s, v| s.capture.bucketed_k_buffer.key = v);
+                vary(&mut some, DepthQuantization::ALL, |s, v| s.capture.bucketed_k_buffer.depth = v);
+                vary(&mut some, SlotSearch::ALL, |s, v| s.capture.bucketed_k_buffer.slot_search = v);
+                vary(&mut some, Tail::ALL, |s, v| s.capture.bucketed_k_buffer.tail = v);
+            }
+        }
+        captures.extend(some);
+    }
+    all = captures;
     vary(&mut all, NormalEncoding::ALL, |s, v| s.capture.normals = v);
-    vary(&mut all, KeyFormat::ALL, |s, v| s.capture.bucketed_k_buffer.key = v);
-    vary(&mut all, DepthQuantization::ALL, |s, v| s.capture.bucketed_k_buffer.depth = v);
-    vary(&mut all, SlotSearch::ALL, |s, v| s.capture.bucketed_k_buffer.slot_search = v);
-    vary(&mut all, Tail::ALL, |s, v| s.capture.bucketed_k_buffer.tail = v);
     vary(&mut all, NeighbourSearch::ALL, |s, v| s.features.neighbours = v);
     vary(&mut all, DepthTerm::ALL, |s, v| s.features.depth_term = v);
     vary(&mut all, CurvatureUnit::ALL, |s, v| s.features.curvature.unit = v);
     vary(&mut all, &[true, false], |s, v| s.features.reverse_check = v);
+    // Illustrative transparency looks at links alone, however they were found.
+    let usual = Settings::default().features;
+    let (plain, other): (Vec<Settings>, Vec<Settings>) = all.into_iter().partition(|s| s.features == usual);
+    let mut all = plain.clone();
+    all.extend(other);
+    for printed in [PrintedForm::None, PrintedForm::Transmittance] {
+        all.extend(plain.iter().cloned().map(|mut s| {
+            s.opacity.model = OpacityModel::Illustrative;
+            s.opacity.illustrative.printed = printed;
+            s
+        }));
+    }
     all
 }
 

@@ -50,7 +50,7 @@ impl StoreModules {
     pub fn layout(&self, spec: ShaderSpec) -> ShaderSpec {
         self.shape_words(spec).with(match self.capture {
             Capture::BucketedKBuffer { .. } => "store/layout_rows",
-            Capture::Compacted | Capture::None => "store/layout_compacted",
+            Capture::Compacted | Capture::LinkedList { .. } | Capture::None => "store/layout_compacted",
         })
     }
 

@@ -158,6 +158,54 @@ pub struct TransferParameters {
     pub ghost: f32,
 }
 
+/// `ModelParameters` in `passes/opacity/model_parameters.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct ModelParameters {
+    /// Opacity of all layers of a pixel together.
+    pub share: f32,
+    /// Opacity at the lower end of what the model follows.
+    pub low: f32,
+    /// Opacity at the upper end.
+    pub high: f32,
+    /// Sensitivity, times the image's shorter side in pixels.
+    pub scale: f32,
+}
+
+/// `IllustrationParameters` in `passes/illustration/parameters.wgsl`: vectors hold what is α's, β's and γ's.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct IllustrationParameters {
+    /// λ.
+    pub lambda: [f32; 4],
+    /// 0 nothing, 1 heat, 2 max.
+    pub diffusion: [u32; 4],
+    /// 0 none, 1 bell, 2 power.
+    pub profile: [u32; 4],
+    /// The profiles' parameters.
+    pub p: [f32; 4],
+    /// Opacity of every layer, where the base is constant.
+    pub constant: f32,
+    /// Steps of heat.
+    pub heat_steps: u32,
+    /// Which of the paper's forms is followed.
+    pub printed: u32,
+    /// Unused.
+    pub _pad: u32,
+}
+
+/// `StepParameters` in `passes/operators/next_step.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct StepParameters {
+    /// Steps that are always taken.
+    pub always: u32,
+    /// 0 for never stopping early.
+    pub early_stop: u32,
+    /// Unused.
+    pub _pad: [u32; 2],
+}
+
 /// `BlendParameters` in `passes/composite/blend.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]

@@ -43,9 +43,9 @@ impl FramePlan {
 
 /// Bytes of a column's element, by name, for the columns that a plan can have.
 fn columns(plan: &FramePlan) -> Vec<(&'static str, u64)> {
-    let (wide, compacted) = match plan.capture {
+    let (wide, whole) = match plan.capture {
         Capture::None => return Vec::new(),
-        Capture::Compacted => (true, true),
+        Capture::Compacted | Capture::LinkedList { .. } => (true, true),
         Capture::BucketedKBuffer { key, .. } => (key == KeyFormat::Wide64, false),
     };
     let shape = shape_bytes(plan.normals);
@@ -56,7 +56,7 @@ fn columns(plan: &FramePlan) -> Vec<(&'static str, u64)> {
         ("materials", 8),
         ("lit", 8),
     ];
-    if compacted {
+    if whole {
         all.extend([
             ("arrival_keys", 8),
             ("arrival_colors", 8),
@@ -64,6 +64,9 @@ fn columns(plan: &FramePlan) -> Vec<(&'static str, u64)> {
             ("arrival_emissive", 4),
             ("sources", 4),
         ]);
+    }
+    if plan.runs(Pass::Fill) {
+        all.push(("list_next", 4));
     }
     if plan.features.is_some() || plan.runs(Pass::PartLookup) {
         all.push(("parts", 4));
@@ -80,6 +83,12 @@ fn columns(plan: &FramePlan) -> Vec<(&'static str, u64)> {
     if plan.runs(Pass::Curvature) {
         all.push(("kappas", 4));
     }
+    if plan.runs(Pass::Boundary) {
+        all.push(("fields_even", 16));
+    }
+    if plan.runs(Pass::Diffuse) {
+        all.push(("fields_odd", 16));
+    }
     all
 }
 
@@ -88,6 +97,27 @@ fn shape_bytes(normals: NormalEncoding) -> u64 {
     match normals {
         NormalEncoding::Octahedral | NormalEncoding::Xy15 => 8,
         NormalEncoding::Full => 16,
+    }
+}
+
+impl FramePlan {
+    /// Most fragments that a band may have in buffers of at most `largest` bytes and, for linked lists, in their memory.
+    pub fn most_fragments(&self, largest: u64) -> u64 {
+        let by_buffer = largest / self.widest_column();
+        match self.capture {
+            Capture::LinkedList { memory, .. } => {
+                by_buffer.min(memory / columns(self).into_iter().map(|(_, bytes)| bytes).sum::<u64>().max(1))
+            }
+            _ => by_buffer,
+        }
+    }
+
+    /// Fragments for which room is made before they are counted, in an image of so many pixels.
+    pub fn first_capacity(&self, pixels: u64) -> u64 {
+        match self.capture {
+            Capture::LinkedList { capacity, .. } if capacity > 0 => u64::from(capacity),
+            _ => LAYERS_EXPECTED * pixels,
+        }
     }
 }
 
@@ -154,21 +184,26 @@ pub(super) fn fill(
             if plan.runs(Pass::ZReordering) {
                 buffers.push(PlannedBuffer { name: "class_pixels", bytes: 4 * band_pixels, exact: true });
             }
+            if plan.runs(Pass::Boundary) {
+                buffers.push(PlannedBuffer { name: "ends", bytes: 8 * band_pixels, exact: true });
+            }
             if tail {
                 buffers.push(PlannedBuffer { name: "tail", bytes: 24 * band_pixels, exact: true });
             }
         }
-        Capture::Compacted => {
+        Capture::Compacted | Capture::LinkedList { .. } => {
+            let most = plan.most_fragments(limit).max(1);
             let fragments = view.fragments.unwrap_or(LAYERS_EXPECTED * pixels);
-            let count = (fragments * widest).div_ceil(limit).max(1);
+            let count = fragments.div_ceil(most).max(1);
             plan.bands = bands(height, (u64::from(height) / count).max(1) + 2 * u64::from(plan.apron), plan.apron);
-            let in_band = fragments.min(limit / widest);
+            let in_band = fragments.min(most);
             let exact = false;
             // The pixel table has an entry more than there are pixels.
-            let most_rows = (limit / 4).saturating_sub(1) / u64::from(width);
+            let entry = if plan.runs(Pass::Boundary) { 8 } else { 4 };
+            let most_rows = (limit / entry).saturating_sub(1) / u64::from(width);
             if most_rows < needed {
-                let bytes = 4 * (needed * u64::from(width) + 1);
-                let fits = ((limit / 4).saturating_sub(1) / needed) as u32;
+                let bytes = entry * (needed * u64::from(width) + 1);
+                let fits = ((limit / entry).saturating_sub(1) / needed) as u32;
                 return Err(Refusal::TableTooLarge { width, rows: needed, bytes, limit, fits });
             }
             plan.most_rows = most_rows.min(if picked.is_some() { needed } else { u64::from(height) }) as u32;
@@ -180,7 +215,14 @@ pub(super) fn fill(
             }));
             buffers.push(PlannedBuffer { name: "pixel_table", bytes: 4 * (pixels + 1), exact: true });
             buffers.push(PlannedBuffer { name: "cursors", bytes: 4 * pixels, exact: true });
+            if plan.runs(Pass::Fill) {
+                buffers.push(PlannedBuffer { name: "list_heads", bytes: 4 * pixels, exact: true });
+                buffers.push(PlannedBuffer { name: "list_count", bytes: 4, exact: true });
+            }
             buffers.push(PlannedBuffer { name: "class_pixels", bytes: 4 * pixels, exact: true });
+            if plan.runs(Pass::Boundary) {
+                buffers.push(PlannedBuffer { name: "ends", bytes: 8 * pixels, exact: true });
+            }
         }
     }
     plan.buffers = buffers;

@@ -4,6 +4,7 @@
 //! passes of a [`FramePlan`], in order; a pass that is not in it allocates nothing and dispatches nothing. *Simulate only the
 //! effects a scene calls for* lives here: constant functions need no neighbours, opaque surfaces need no capture.
 
+mod layers;
 mod memory;
 mod pass;
 mod refusal;
@@ -13,6 +14,7 @@ mod tests;
 
 use serde::Serialize;
 
+use layers::{Draft, choose_capture, choose_features, counted, plan_layers, plan_sections};
 pub use memory::{Band, PlannedBuffer, bands_of_rows};
 pub use pass::Pass;
 pub use refusal::Refusal;
@@ -20,8 +22,8 @@ pub use refusal::Refusal;
 use crate::math::Camera;
 use crate::scene::SceneStats;
 use crate::settings::{
-    CaptureKind, CurvatureUnit, DepthQuantization, DepthTerm, KeyFormat, NeighbourSearch, NormalEncoding, OpacityModel,
-    Settings, SlotSearch, Tail,
+    CaptureKind, DepthQuantization, DepthTerm, KeyFormat, ListSort, NeighbourSearch, NormalEncoding, OpacityModel,
+    PrintedForm, Settings, SlotSearch, Tail,
 };
 use crate::transfer::TransferFunction;
 
@@ -126,6 +128,15 @@ pub enum Capture {
     },
     /// Every layer.
     Compacted,
+    /// Every layer, by linked lists.
+    LinkedList {
+        /// How lists are sorted.
+        sort: ListSort,
+        /// Fragments for which room is made before their number is known; 0 for as many as an estimate expects.
+        capacity: u32,
+        /// Most bytes of lists and layers.
+        memory: u64,
+    },
 }
 
 impl Capture {
@@ -133,11 +144,18 @@ impl Capture {
     pub fn is_wide(self) -> bool {
         !matches!(self, Capture::BucketedKBuffer { key: KeyFormat::Packed32, .. })
     }
+
+    /// Whether the store is a run without gaps that holds every layer, however many there are.
+    pub fn is_whole(self) -> bool {
+        matches!(self, Capture::Compacted | Capture::LinkedList { .. })
+    }
 }
 
 /// The features of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Features {
+    /// Whether curvature is computed, and not neighbours alone.
+    pub curvature: bool,
     /// How neighbours are searched.
     pub search: NeighbourSearch,
     /// With which depth candidates are compared.
@@ -169,6 +187,26 @@ pub enum Opacity {
     Depth,
     /// Transfer functions over curvature.
     Curvature,
+    /// The same for all layers of a pixel, so that together they have this one.
+    Adaptive {
+        /// Opacity of all together.
+        share: f64,
+    },
+    /// By the angle between normal and sight line.
+    AngleBased,
+    /// By how fast the normal turns.
+    NormalVariation,
+}
+
+/// Illustrative transparency.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Illustration {
+    /// Steps of diffusion that are always taken.
+    pub heat_steps: u32,
+    /// Most steps; the GPU stops earlier where nothing changes.
+    pub most_steps: u32,
+    /// Whether what passes a layer is 1 − α, as printed (T14).
+    pub printed_transmittance: bool,
 }
 
 /// A frame, ready to be executed.
@@ -186,6 +224,8 @@ pub struct FramePlan {
     pub features: Option<Features>,
     /// Opacity of the layers.
     pub opacity: Opacity,
+    /// What illustrative transparency makes of it.
+    pub illustration: Option<Illustration>,
     /// Whether parts have opacities of their own: ghosted, translucent, solid.
     pub faded: bool,
     /// Whether parts have colours of their own.
@@ -202,7 +242,7 @@ pub struct FramePlan {
     pub apron: u32,
     /// Most rows of a band: those whose per-pixel buffers fit a binding.
     pub most_rows: u32,
-    /// The bands, from top to bottom. For [`Capture::Compacted`] they are an estimate: the count decides.
+    /// The bands, from top to bottom. Where the whole of every list is kept they are an estimate: the count decides.
     pub bands: Vec<Band>,
 }
 
@@ -210,6 +250,19 @@ impl FramePlan {
     /// Whether a pass runs.
     pub fn runs(&self, pass: Pass) -> bool {
         self.passes.iter().any(|p| p.pass == pass)
+    }
+
+    /// What blending multiplies the opacity of every layer with.
+    pub fn blend_opacity(&self) -> f64 {
+        match self.opacity {
+            Opacity::Constant { alpha } if self.illustration.is_none() => alpha,
+            _ => 1.0,
+        }
+    }
+
+    /// Rows above and below those of a band that layers have to be lit in, because their opacity spreads from there.
+    pub fn lit_apron(&self) -> u32 {
+        self.illustration.map_or(0, |i| i.most_steps)
     }
 
     /// Sum of all buffers, bytes.
@@ -301,8 +354,14 @@ fn plan_rows(
         let without_tail = Some(storage_buffers(false, looks)).filter(|&n| tail && n <= limit);
         return Err(Refusal::TooFewBindings { needed, limit, without_tail });
     }
-    let mut draft = Draft { passes: Vec::new(), skipped: Vec::new() };
+    let mut draft = Draft::default();
+    let illustration = (settings.opacity.model == OpacityModel::Illustrative).then(|| {
+        let (s, steps) = (&settings.opacity.illustrative, settings.opacity.illustrative.steps());
+        let printed_transmittance = s.printed == PrintedForm::Transmittance;
+        Illustration { heat_steps: steps.heat, most_steps: steps.most, printed_transmittance }
+    });
     let all_opaque = matches!(opacity, Opacity::Constant { alpha } if alpha >= 1.0)
+        && illustration.is_none()
         && scene.blended_materials == 0
         && scene.faded_parts == 0
         && picked.is_none();
@@ -313,12 +372,13 @@ fn plan_rows(
         draft.skip("neighbours, curvature", "every surface is opaque and the colour is not modulated");
         Capture::None
     } else {
-        choose_capture(settings, scene, capabilities)?
+        choose_capture(settings, scene, capabilities, picked.is_some())?
     };
-    let features = (opacity == Opacity::Curvature || picked.is_some())
-        .then(|| choose_features(settings, scene, view, size, &mut draft));
+    let with_curvature = opacity == Opacity::Curvature || picked.is_some();
+    let features = (with_curvature || opacity == Opacity::NormalVariation || illustration.is_some())
+        .then(|| choose_features(settings, scene, view, size, with_curvature, &mut draft));
     if capture != Capture::None {
-        plan_layers(&mut draft, settings, scene, capture, features, opacity);
+        plan_layers(&mut draft, settings, scene, capture, (features, opacity, illustration));
     }
     plan_sections(&mut draft, scene);
     match scene.selected_parts {
@@ -337,7 +397,7 @@ fn plan_rows(
     if picked.is_some() {
         draft.passes.retain(|p| !matches!(p.pass, Pass::Blend | Pass::OutlineMask | Pass::Outline));
     }
-    let apron = features.map_or(0, |f| f.reach.max(1));
+    let apron = features.map_or(0, |f| f.reach.max(1)) + illustration.map_or(0, |i| i.most_steps);
     let mut plan = FramePlan {
         size,
         samples,
@@ -345,6 +405,7 @@ fn plan_rows(
         normals: settings.capture.normals,
         features,
         opacity,
+        illustration,
         faded: capture != Capture::None && scene.faded_parts + scene.solid_parts > 0,
         recolored: scene.recolored_parts > 0,
         section_planes: scene.section_planes,
@@ -359,50 +420,16 @@ fn plan_rows(
     Ok(plan)
 }
 
-/// Section planes belong to the passes that draw geometry: the first of them says so.
-fn plan_sections(draft: &mut Draft, scene: &SceneStats) {
-    let (planes, caps) = match (scene.section_planes, scene.caps) {
-        (0, _) => return draft.skip("sections", "no plane cuts the scene"),
-        (1, caps) => ("1 plane cuts the scene".to_owned(), caps),
-        (n, caps) => (format!("{n} planes cut the scene"), caps),
-    };
-    let drawn = [Pass::Opaque, Pass::ZInsertion, Pass::Count];
-    if let Some(first) = draft.passes.iter_mut().find(|p| drawn.contains(&p.pass)) {
-        let closed = match caps {
-            0 => String::new(),
-            1 => ", 1 cap closes it".to_owned(),
-            n => format!(", {n} caps close it"),
-        };
-        first.reason += &format!("; sections: {planes}{closed}");
-    }
-}
-
-/// "1 part is", "3 parts are".
-fn counted(parts: u64, one: &str, more: &str) -> String {
-    if parts == 1 { format!("1 part {one}") } else { format!("{parts} parts {more}") }
-}
-
-struct Draft {
-    passes: Vec<PlannedPass>,
-    skipped: Vec<Skipped>,
-}
-
-impl Draft {
-    fn run(&mut self, pass: Pass, reason: impl Into<String>) {
-        self.passes.push(PlannedPass { pass, reason: reason.into() });
-    }
-
-    fn skip(&mut self, what: &'static str, reason: impl Into<String>) {
-        self.skipped.push(Skipped { what, reason: reason.into() });
-    }
-}
-
 /// What the settings and the transfer functions make of the layers' opacity. Bakes the functions: a millisecond or two.
 pub fn choose_opacity(settings: &Settings, transfer: &TransferFunction) -> Opacity {
-    match settings.opacity.model {
+    match settings.opacity.base_model() {
+        OpacityModel::Adaptive => Opacity::Adaptive { share: settings.opacity.adaptive },
+        OpacityModel::AngleBased => Opacity::AngleBased,
+        OpacityModel::NormalVariation => Opacity::NormalVariation,
         OpacityModel::Opaque => Opacity::Constant { alpha: 1.0 },
         OpacityModel::Constant => Opacity::Constant { alpha: settings.opacity.constant },
-        OpacityModel::Curvature => {
+        // No base is illustrative itself.
+        OpacityModel::Curvature | OpacityModel::Illustrative => {
             if transfer.depends_on_curvature() {
                 Opacity::Curvature
             } else if let (true, Some(alpha)) =
@@ -414,158 +441,4 @@ pub fn choose_opacity(settings: &Settings, transfer: &TransferFunction) -> Opaci
             }
         }
     }
-}
-
-fn choose_capture(settings: &Settings, scene: &SceneStats, capabilities: &Capabilities) -> Result<Capture, Refusal> {
-    match settings.capture.kind {
-        CaptureKind::Compacted => Ok(Capture::Compacted),
-        CaptureKind::BucketedKBuffer => {
-            let s = &settings.capture.bucketed_k_buffer;
-            match s.key {
-                // Shape id 65535 with depth 65535 would be the empty slot; depth stops at 65534, so every id is legal.
-                KeyFormat::Packed32 if scene.parts > 65_535 => Err(Refusal::TooManyParts { parts: scene.parts }),
-                KeyFormat::Wide64 if !capabilities.atomic_min_64 => Err(Refusal::NoAtomics64),
-                key => Ok(Capture::BucketedKBuffer {
-                    k: s.k,
-                    key,
-                    depth: s.depth,
-                    tail: s.tail == Tail::Average,
-                    slot_search: s.slot_search,
-                }),
-            }
-        }
-    }
-}
-
-fn choose_features(
-    settings: &Settings,
-    scene: &SceneStats,
-    view: &ViewStats,
-    size: [u32; 2],
-    draft: &mut Draft,
-) -> Features {
-    let c = &settings.features.curvature;
-    let shorter = f64::from(size[0].min(size[1]));
-    let radius = (c.radius * shorter).round().max(1.0) as u32;
-    let line = (c.line_width * shorter).max(1.0);
-    let search = if settings.features.neighbours == NeighbourSearch::Buckets && !settings.features.reverse_check {
-        draft.skip("buckets", "features.reverse_check is off: the search by buckets includes it");
-        NeighbourSearch::BruteForce
-    } else {
-        settings.features.neighbours
-    };
-    let (unit, scale_by_part) = match c.unit {
-        CurvatureUnit::View => (view.visible_height, false),
-        CurvatureUnit::Scene => (scene.radius(), false),
-        CurvatureUnit::World => (1.0, false),
-        CurvatureUnit::Part => (1.0, true),
-    };
-    Features {
-        search,
-        depth_term: settings.features.depth_term,
-        reverse_check: settings.features.reverse_check,
-        radius,
-        reach: radius.max(line.ceil() as u32),
-        line,
-        scale: c.scale * unit,
-        scale_by_part,
-    }
-}
-
-fn plan_layers(
-    draft: &mut Draft,
-    settings: &Settings,
-    scene: &SceneStats,
-    capture: Capture,
-    features: Option<Features>,
-    opacity: Opacity,
-) {
-    let otherwise_opaque = opacity == (Opacity::Constant { alpha: 1.0 });
-    let transparent = match (scene.blended_materials, scene.faded_parts) {
-        (1, _) if otherwise_opaque => "1 material blends".to_owned(),
-        (n @ 2.., _) if otherwise_opaque => format!("{n} materials blend"),
-        (_, n @ 1..) if otherwise_opaque => format!("{} ghosted or translucent", counted(n, "is", "are")),
-        _ if otherwise_opaque => "a pixel is picked through".to_owned(),
-        _ => "layers are transparent".to_owned(),
-    };
-    let buckets = features.is_some_and(|f| f.search == NeighbourSearch::Buckets);
-    let bucket_passes = |draft: &mut Draft| {
-        draft.run(Pass::ZReordering, "buckets group a pixel's layers by part");
-        draft.run(Pass::BucketCreation, "searches read only the bucket of the same part");
-    };
-    match capture {
-        Capture::None => {}
-        Capture::BucketedKBuffer { k, slot_search, .. } => {
-            draft.run(Pass::Clear, "the rows hold the last frame");
-            draft.run(Pass::ZInsertion, format!("{transparent}: the {k} nearest of each pixel are kept"));
-            draft.run(Pass::CountLayers, "what was stored, merged and dropped is reported");
-            let by_bucket = slot_search == SlotSearch::Bucket;
-            if !by_bucket {
-                draft.run(Pass::DataStorage, "the surfaces of the stored keys, found by depth");
-            }
-            if by_bucket {
-                draft.run(Pass::PartLookup, "buckets group layers by part");
-            }
-            if buckets || by_bucket {
-                bucket_passes(draft);
-            } else {
-                draft.skip("z reordering, bucket creation", "nothing searches by part");
-            }
-            if by_bucket {
-                draft.run(Pass::DataStorage, "the surfaces of the stored keys, found by bucket and depth");
-            }
-        }
-        Capture::Compacted => {
-            draft.run(Pass::Count, format!("{transparent}: every layer is kept"));
-            draft.run(Pass::PrefixSum, "where each pixel's layers begin");
-            draft.run(Pass::Append, "keys and surfaces as they come");
-            draft.run(Pass::Sort, "by depth, then by triangle number");
-            draft.run(Pass::Gather, "surfaces in the order of the sort");
-            if features.is_some() {
-                draft.run(Pass::PartLookup, "neighbours belong to the same part");
-            }
-            if buckets {
-                bucket_passes(draft);
-            } else {
-                draft.skip("z reordering, bucket creation", "nothing searches by part");
-            }
-        }
-    }
-    if let Some(f) = features {
-        let check = "a neighbour must see the layer as its own (Murray 2016, Figure 5)";
-        if f.search == NeighbourSearch::Buckets {
-            draft.run(Pass::NeighbourLinks, format!("curvature needs neighbours; {check}"));
-        } else {
-            draft.run(Pass::NeighbourCandidates, "curvature needs neighbours");
-            if f.reverse_check {
-                draft.run(Pass::NeighbourLinks, check);
-            } else {
-                draft.skip("neighbour links", "features.reverse_check is off");
-            }
-        }
-        if scene.section_planes > 0 {
-            draft.run(Pass::CutLinks, "a cut is unknown to features, not a silhouette (T10)");
-        }
-        draft.run(Pass::Curvature, "a transfer function varies with curvature");
-    } else {
-        draft.skip(
-            "neighbours, curvature",
-            match settings.opacity.model {
-                OpacityModel::Curvature => "no transfer function varies with curvature",
-                OpacityModel::Constant => "opacity is constant",
-                OpacityModel::Opaque => "opacity does not depend on curvature",
-            },
-        );
-    }
-    draft.run(Pass::Shade, "every stored layer is lit once");
-    match opacity {
-        Opacity::Curvature => draft.run(Pass::Stylize, "colour and opacity follow curvature and depth"),
-        Opacity::Depth => draft.run(Pass::Stylize, "opacity follows depth"),
-        Opacity::Constant { .. } => draft.skip("stylize", "opacity is the same for all layers"),
-    }
-    let of_parts = match scene.faded_parts + scene.solid_parts {
-        0 => "",
-        _ => ", by the opacity of their parts",
-    };
-    draft.run(Pass::Blend, format!("the layers of each pixel over each other{of_parts}"));
 }

@@ -19,6 +19,8 @@ pub enum Pass {
     CountLayers,
     /// Fragments of every pixel.
     Count,
+    /// Linked lists, and how long they are (Carnecky 2013, section 4.2).
+    Fill,
     /// Where each pixel's layers begin.
     PrefixSum,
     /// Keys and surfaces in order of arrival.
@@ -47,6 +49,12 @@ pub enum Pass {
     Shade,
     /// Colour and opacity by transfer functions.
     Stylize,
+    /// Where silhouettes are (Carnecky 2013, section 5.3).
+    Boundary,
+    /// Silhouettes, halos and base opacity spread along the surface (section 5.4).
+    Diffuse,
+    /// Opacity out of the three fields (Algorithm 3).
+    Illustrate,
     /// Composition.
     Blend,
     /// Pixels that the selected parts cover, whatever is in front.
@@ -59,13 +67,14 @@ pub enum Pass {
 
 impl Pass {
     /// All passes, in order.
-    pub const ALL: [Pass; 24] = [
+    pub const ALL: [Pass; 28] = [
         Pass::Opaque,
         Pass::ShowOpaque,
         Pass::Clear,
         Pass::ZInsertion,
         Pass::CountLayers,
         Pass::Count,
+        Pass::Fill,
         Pass::PrefixSum,
         Pass::Append,
         Pass::Sort,
@@ -80,6 +89,9 @@ impl Pass {
         Pass::Curvature,
         Pass::Shade,
         Pass::Stylize,
+        Pass::Boundary,
+        Pass::Diffuse,
+        Pass::Illustrate,
         Pass::Blend,
         Pass::OutlineMask,
         Pass::Outline,
@@ -95,6 +107,7 @@ impl Pass {
             Pass::ZInsertion => "z insertion",
             Pass::CountLayers => "count layers",
             Pass::Count => "count",
+            Pass::Fill => "fill",
             Pass::PrefixSum => "prefix sum",
             Pass::Append => "append",
             Pass::Sort => "sort",
@@ -109,6 +122,9 @@ impl Pass {
             Pass::Curvature => "curvature",
             Pass::Shade => "shade",
             Pass::Stylize => "stylize",
+            Pass::Boundary => "boundary",
+            Pass::Diffuse => "diffuse",
+            Pass::Illustrate => "illustrate",
             Pass::Blend => "blend",
             Pass::OutlineMask => "outline mask",
             Pass::Outline => "outline",

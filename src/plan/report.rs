@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{Capture, FramePlan};
+use super::FramePlan;
 
 impl fmt::Display for FramePlan {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -21,7 +21,7 @@ impl fmt::Display for FramePlan {
             writeln!(f, "  {:<22}{}{}", b.name, bytes(b.bytes), if b.exact { "" } else { " (estimate)" })?;
         }
         writeln!(f, "  {:<22}{}", "total", bytes(self.total_bytes()))?;
-        let estimate = if self.capture == Capture::Compacted { " (estimate; the count decides)" } else { "" };
+        let estimate = if self.capture.is_whole() { " (estimate; the count decides)" } else { "" };
         match self.bands.len() {
             1 => write!(f, "one band{estimate}"),
             n => write!(f, "{n} bands, {} rows of apron{estimate}", self.apron),

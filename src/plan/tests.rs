@@ -143,7 +143,11 @@ fn an_unplanned_pass_allocates_nothing() {
     opaque.opacity.model = OpacityModel::Opaque;
     let mut by_bucket = bucketed(8);
     by_bucket.capture.bucketed_k_buffer.slot_search = SlotSearch::Bucket;
-    for settings in [Settings::default(), bucketed(8), tail, by_bucket, opaque] {
+    let mut lists = Settings::default();
+    lists.capture.kind = CaptureKind::LinkedList;
+    let mut illustrative = lists.clone();
+    illustrative.opacity.model = OpacityModel::Illustrative;
+    for settings in [Settings::default(), bucketed(8), tail, by_bucket, opaque, lists, illustrative] {
         for transfer in [usual(), TransferFunction::uniform(0.5)] {
             for parts in [1, 20] {
                 let plan = plan(&settings, &transfer, &scene(parts), &view(), &adapter(), SIZE).unwrap();
@@ -158,7 +162,11 @@ fn an_unplanned_pass_allocates_nothing() {
                     ("kappas", Pass::Curvature),
                     ("lit", Pass::Shade),
                     ("tally", Pass::ZInsertion),
-                    ("arrival_keys", Pass::Append),
+                    ("list_heads", Pass::Fill),
+                    ("list_next", Pass::Fill),
+                    ("ends", Pass::Boundary),
+                    ("fields_even", Pass::Boundary),
+                    ("fields_odd", Pass::Diffuse),
                     ("sources", Pass::Sort),
                     ("sums", Pass::Accumulate),
                     ("opaque_colors", Pass::Opaque),
@@ -167,6 +175,65 @@ fn an_unplanned_pass_allocates_nothing() {
                     assert_eq!(names(&plan).contains(&buffer), plan.runs(pass), "{buffer} for {pass:?}\n{plan}");
                 }
             }
+        }
+    }
+}
+
+#[test]
+fn linked_lists_fill_where_compacted_ones_count_and_append() {
+    let mut settings = Settings::default();
+    settings.capture.kind = CaptureKind::LinkedList;
+    settings.capture.linked_list.memory = 16;
+    let lists = planned(&settings, &usual());
+    assert!(lists.runs(Pass::Fill) && !lists.runs(Pass::Count) && !lists.runs(Pass::Append), "{lists}");
+    assert!(lists.runs(Pass::PrefixSum) && lists.runs(Pass::Sort) && lists.runs(Pass::Gather));
+    let bytes: u64 = lists.columns().iter().map(|(_, bytes)| bytes).sum();
+    assert_eq!(lists.most_fragments(1 << 30), (16 << 20) / bytes, "what memory allows");
+    assert_eq!(lists.most_fragments(1 << 10), (1 << 10) / lists.widest_column(), "what a binding allows");
+    assert_eq!((lists.first_capacity(10), planned(&Settings::default(), &usual()).first_capacity(10)), (90, 90));
+    settings.capture.linked_list.capacity = 7;
+    assert_eq!(planned(&settings, &usual()).first_capacity(10), 7);
+    // A picked pixel needs no lists.
+    let picked = plan_pick(&settings, &usual(), &scene(20), &view(), &adapter(), SIZE, 3).unwrap();
+    assert_eq!(picked.capture, Capture::Compacted);
+}
+
+#[test]
+fn illustrative_transparency_needs_neighbours_and_an_apron_as_wide_as_its_steps() {
+    let mut settings = Settings::default();
+    settings.opacity.model = OpacityModel::Illustrative;
+    let plan = planned(&settings, &usual());
+    for pass in [Pass::NeighbourLinks, Pass::Stylize, Pass::Boundary, Pass::Diffuse, Pass::Illustrate] {
+        assert!(plan.runs(pass), "{plan}");
+    }
+    assert!(!plan.runs(Pass::Curvature) && !names(&plan).contains(&"kappas"), "{plan}");
+    assert_eq!(skipped(&plan, "curvature"), "opacity does not depend on curvature");
+    assert_eq!((plan.lit_apron(), plan.apron), (20, 21));
+    settings.opacity.illustrative.beta.lambda = 0.01;
+    settings.opacity.illustrative.base = crate::settings::BaseOpacity::Curvature;
+    let wide = planned(&settings, &usual());
+    assert_eq!(wide.illustration.map(|i| (i.heat_steps, i.most_steps)), Some((20, 100)));
+    assert!(wide.runs(Pass::Curvature) && wide.apron == 100 + wide.features.unwrap().reach);
+    // An opaque base is still transparent in its halos.
+    settings.opacity.illustrative.base = crate::settings::BaseOpacity::Constant;
+    settings.opacity.constant = 1.0;
+    let opaque = planned(&settings, &usual());
+    assert_ne!(opaque.capture, Capture::None);
+    assert_eq!(opaque.blend_opacity(), 1.0);
+    let none = planned(&Settings::default(), &usual());
+    assert!(skipped(&none, "illustrate").contains("silhouettes") && none.illustration.is_none());
+}
+
+#[test]
+fn models_without_transfer_functions_need_what_they_look_at() {
+    for (model, links) in
+        [(OpacityModel::Adaptive, false), (OpacityModel::AngleBased, false), (OpacityModel::NormalVariation, true)]
+    {
+        for mut settings in [Settings::default(), bucketed(8)] {
+            settings.opacity.model = model;
+            let plan = planned(&settings, &usual());
+            assert_eq!(plan.runs(Pass::NeighbourLinks), links, "{plan}");
+            assert!(plan.runs(Pass::Stylize) && !plan.runs(Pass::Curvature) && !plan.runs(Pass::Boundary), "{plan}");
         }
     }
 }
@@ -503,7 +570,7 @@ proptest! {
         unique.sort_unstable();
         unique.dedup();
         prop_assert_eq!(unique.len(), plan.buffers.len(), "a buffer is planned twice");
-        prop_assert_eq!(plan.features.is_some(), plan.runs(Pass::Curvature));
+        prop_assert_eq!(plan.features.is_some_and(|f| f.curvature), plan.runs(Pass::Curvature));
         prop_assert_eq!(plan.capture == Capture::None, plan.runs(Pass::Opaque));
         check_bands(&plan);
         // Textures are no bindings; everything else is. A compacted store's columns are cut to what was counted.
@@ -511,7 +578,7 @@ proptest! {
             let texture = ["image", "sums", "opaque_colors", "opaque_depth", "outline_mask"].contains(&buffer.name);
             prop_assert!(texture || buffer.bytes <= capabilities.max_binding.min(capabilities.max_buffer), "{buffer:?}");
         }
-        if plan.capture == Capture::Compacted {
+        if plan.capture.is_whole() {
             prop_assert!(plan.most_rows >= (2 * plan.apron + 1).min(height));
         }
         for (column, bytes) in plan.columns() {

@@ -5,20 +5,21 @@ use std::time::Instant;
 
 use glam::DVec2;
 
-use super::reuse::{Kept, Origin, Stored};
+use super::reuse::{Kept, Origin, Stored, draw_stored};
 use super::targets::{Targets, texture};
+use super::whole::draw_whole;
 use super::{Frame, FrameReport, RenderError, Renderer};
 use crate::gpu::{GpuError, PassTime, Recorder, Resource, go_on};
 use crate::math::color::linear_from_srgb;
 use crate::math::{Camera, LinearImage, Projection, ViewFrustum};
-use crate::passes::capture::{
-    BAND_DEEPEST, LayerCounts, STATISTICS_WORDS, bucketed_k_buffer, buckets, compacted, sort,
-};
+use crate::passes::capture::{LayerCounts, STATISTICS_WORDS, bucketed_k_buffer, buckets, compacted, linked_list, sort};
 use crate::passes::composite::outline;
 use crate::passes::features::{self, curvature, neighbours};
 use crate::passes::geometry::{GpuScene, Instances};
-use crate::passes::{BlendParameters, Context, FrameUniform, StoreLayout, composite, opacity, opaque, shade};
-use crate::plan::{self, Band, Capture, FramePlan, Opacity, Pass};
+use crate::passes::{
+    BlendParameters, Context, FrameUniform, StoreLayout, composite, illustration, opacity, opaque, operators, shade,
+};
+use crate::plan::{Band, Capture, FramePlan, Pass};
 use crate::settings::{NeighbourSearch, Settings};
 use crate::transfer::{TransferFunction, hex};
 
@@ -145,7 +146,9 @@ pub(super) fn draw(
                     work.finish(&mut tally)?;
                 }
             }
-            Capture::Compacted => draw_compacted(renderer, &plan, &view, &blank, &mut tally)?,
+            Capture::Compacted | Capture::LinkedList { .. } => {
+                draw_whole(renderer, &plan, &view, &blank, &mut tally)?;
+            }
         }
         if let Some((mask, instances)) = &selected {
             renderer.resources.set("outline_mask", Resource::Texture(mask.clone()));
@@ -181,6 +184,7 @@ pub(super) fn draw(
         passes: tally.times,
         milliseconds: begin.elapsed().as_secs_f64() * 1e3,
         bands: tally.bands,
+        refilled: tally.refilled,
         buffer_bytes: renderer.resources.bytes(),
         adapter: gpu.facts().clone(),
         plan,
@@ -217,82 +221,6 @@ pub(super) fn time_unsorted(
     Ok(begin.elapsed().as_secs_f64() * 1e3)
 }
 
-/// Captures all layers: counts, cuts bands that fit, and draws each.
-fn draw_compacted(
-    renderer: &mut Renderer,
-    plan: &FramePlan,
-    view: &View<'_>,
-    blank: &wgpu::TextureView,
-    tally: &mut Tally,
-) -> Result<(), RenderError> {
-    let height = plan.size[1];
-    // A band without apron may hold as many rows as its pixel table fits; usually that is all of them.
-    let mut rows = Vec::with_capacity(height as usize);
-    let mut deepest = 0;
-    for first in (0..height).step_by(plan.most_rows as usize) {
-        let end = height.min(first + plan.most_rows);
-        let piece = Band { first_row: first, end_row: end, first_output_row: first, end_output_row: end };
-        let mut work = Work::new(renderer, plan, view, piece, blank)?;
-        count_band(&mut work.context(), view.scene)?;
-        work.submit_times(tally)?;
-        let words = |name, count: u64| -> Result<Vec<u32>, GpuError> {
-            let bytes = renderer.gpu.read_buffer(renderer.resources.require("prefix sum", name)?, 4 * count)?;
-            Ok(bytes.chunks_exact(4).map(bytemuck::pod_read_unaligned).collect())
-        };
-        rows.extend(words("row_sums", u64::from(end - first))?.into_iter().map(u64::from));
-        deepest = deepest.max(words("statistics", STATISTICS_WORDS as u64)?[BAND_DEEPEST]);
-    }
-    let most = renderer.gpu.capabilities().most_layers;
-    if deepest > most {
-        return Err(RenderError::PixelTooDeep { layers: deepest, limit: most });
-    }
-    let limit = renderer.gpu.capabilities().largest_buffer() / plan.widest_column();
-    let bands = plan::bands_of_rows(&rows, plan.apron, limit, plan.most_rows)
-        .map_err(|(row, fragments)| RenderError::RowTooDeep { row, fragments, limit })?;
-    let single = bands.len() == 1;
-    for band in bands {
-        let fragments = rows[band.first_row as usize..band.end_row as usize].iter().sum();
-        ensure_fragments(renderer, plan, fragments, deepest)?;
-        let mut work = Work::new(renderer, plan, view, band, blank)?;
-        let mut context = work.context();
-        context.deepest = deepest;
-        if !single {
-            count_band(&mut context, view.scene)?;
-        }
-        capture_counted(&mut context, view.scene)?;
-        light_layers(&mut context, Kept::Nothing)?;
-        composite::blend(&mut context)?;
-        work.finish(tally)?;
-        tally.room = Some((fragments, deepest));
-    }
-    Ok(())
-}
-
-/// The frame from where it differs from the one whose layers are stored.
-fn draw_stored(
-    renderer: &mut Renderer,
-    plan: &FramePlan,
-    view: &View<'_>,
-    blank: &wgpu::TextureView,
-    stored: &Stored,
-    kept: Kept,
-    tally: &mut Tally,
-) -> Result<(), RenderError> {
-    let mut deepest = u32::MAX;
-    if let Some((fragments, deepest_pixel)) = stored.room {
-        ensure_fragments(renderer, plan, fragments, deepest_pixel)?;
-        deepest = deepest_pixel;
-    }
-    let mut work = Work::new(renderer, plan, view, whole(plan), blank)?;
-    let mut context = work.context();
-    context.deepest = deepest;
-    light_layers(&mut context, kept)?;
-    composite::blend(&mut context)?;
-    work.submit_times(tally)?;
-    (tally.layers, tally.room, tally.bands) = (stored.layers, stored.room, 1);
-    Ok(())
-}
-
 /// Rows of k slots, from clearing them to their surfaces.
 pub(super) fn capture_rows(context: &mut Context<'_>, scene: &GpuScene) -> Result<(), GpuError> {
     bucketed_k_buffer::clear(context)?;
@@ -309,26 +237,35 @@ pub(super) fn capture_rows(context: &mut Context<'_>, scene: &GpuScene) -> Resul
     Ok(())
 }
 
-/// Compacted lists, once there is room for what [`count_band`] counted.
+/// Whole lists, once there is room for what [`count_band`] counted.
 pub(super) fn capture_counted(context: &mut Context<'_>, scene: &GpuScene) -> Result<(), GpuError> {
     compacted::prefix_sum(context)?;
-    compacted::append(context, scene)?;
-    compacted::sort_by_depth(context)?;
+    if let Capture::LinkedList { sort, .. } = context.plan.capture {
+        linked_list::sort_by_depth(context, sort)?;
+    } else {
+        compacted::append(context, scene)?;
+        compacted::sort_by_depth(context)?;
+    }
     compacted::gather(context)?;
     bucket_passes(context)
 }
 
 /// All rows of the image.
-fn whole(plan: &FramePlan) -> Band {
+pub(super) fn whole(plan: &FramePlan) -> Band {
     let height = plan.size[1];
     Band { first_row: 0, end_row: height, first_output_row: 0, end_output_row: height }
 }
 
+/// Counts the fragments of every pixel; linked lists are filled at the same time, as far as there is room.
 pub(super) fn count_band(context: &mut Context<'_>, scene: &GpuScene) -> Result<(), GpuError> {
     let counts = context.resources.require("count", "pixel_counts")?;
     context.recorder.encoder.clear_buffer(counts, 0, None);
     context.recorder.encoder.clear_buffer(context.resources.require("count", "statistics")?, 0, None);
-    compacted::count(context, scene)?;
+    if context.plan.runs(Pass::Fill) {
+        linked_list::fill(context, scene)?;
+    } else {
+        compacted::count(context, scene)?;
+    }
     compacted::sum_rows(context)
 }
 
@@ -345,26 +282,32 @@ fn bucket_passes(context: &mut Context<'_>) -> Result<(), GpuError> {
 
 /// Stages 2 and 3: the same for every capture; without features if they are kept.
 pub(super) fn light_layers(context: &mut Context<'_>, kept: Kept) -> Result<(), GpuError> {
+    let written = std::mem::replace(&mut context.frame, context.lit_frame.clone());
     if let Some(features) = context.plan.features
         && kept < Kept::Features
     {
         neighbours::search(context, &features)?;
-        curvature::curvature(context, &features)?;
+        if features.curvature {
+            curvature::curvature(context, &features)?;
+        }
     }
     shade::shade(context)?;
     if context.plan.runs(Pass::Stylize) {
         opacity::stylize(context)?;
     }
+    illustration::illustrate(context)?;
+    context.frame = written;
     Ok(())
 }
 
 #[derive(Default)]
 pub(super) struct Tally {
-    layers: LayerCounts,
+    pub(super) layers: LayerCounts,
     times: Vec<PassTime>,
-    bands: usize,
-    /// Fragments and deepest pixel of a band of compacted lists.
-    room: Option<(u64, u32)>,
+    pub(super) bands: usize,
+    pub(super) refilled: u32,
+    /// Fragments and deepest pixel of a band of whole lists.
+    pub(super) room: Option<(u64, u32)>,
 }
 
 /// A band at work: its frame uniform, its recorder, the renderer's resources.
@@ -375,6 +318,8 @@ pub(super) struct Work<'a> {
     /// The columns into which geometry is drawn.
     pub(super) columns: std::ops::Range<u32>,
     frame: wgpu::BindGroup,
+    /// The same with the rows in which layers are lit.
+    lit_frame: wgpu::BindGroup,
     blank: &'a wgpu::TextureView,
     instances: Arc<Instances>,
     recorder: Recorder,
@@ -389,21 +334,32 @@ impl<'a> Work<'a> {
         blank: &'a wgpu::TextureView,
     ) -> Result<Work<'a>, GpuError> {
         go_on(renderer.cancel.as_ref())?;
-        let uniform = renderer.gpu.uniform("frame", &frame_uniform(view, plan, band))?;
-        let frame = renderer.gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("frame"),
-            layout: &renderer.shaders.shared.frame,
-            entries: &[wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() }],
-        });
+        let group = |band: Band| -> Result<wgpu::BindGroup, GpuError> {
+            let uniform = renderer.gpu.uniform("frame", &frame_uniform(view, plan, band))?;
+            Ok(renderer.gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some("frame"),
+                layout: &renderer.shaders.shared.frame,
+                entries: &[wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() }],
+            }))
+        };
+        let frame = group(band)?;
+        let lit_frame = match plan.lit_apron() {
+            0 => frame.clone(),
+            rows => group(Band {
+                first_output_row: band.first_output_row.saturating_sub(rows).max(band.first_row),
+                end_output_row: (band.end_output_row + rows).min(band.end_row),
+                ..band
+            })?,
+        };
         let mut recorder = Recorder::new(&renderer.gpu, renderer.timing, renderer.cancel.clone());
-        // The compacted capture clears its statistics where it counts.
-        if plan.capture != Capture::Compacted
+        // Whole lists clear their statistics where they are counted.
+        if !plan.capture.is_whole()
             && let Some(statistics) = renderer.resources.buffer("statistics")
         {
             recorder.encoder.clear_buffer(statistics, 0, None);
         }
         let (columns, instances) = (0..plan.size[0], Arc::clone(&view.instances));
-        Ok(Work { renderer, plan, band, columns, frame, blank, instances, recorder })
+        Ok(Work { renderer, plan, band, columns, frame, lit_frame, blank, instances, recorder })
     }
 
     pub(super) fn context(&mut self) -> Context<'_> {
@@ -414,6 +370,7 @@ impl<'a> Work<'a> {
             band: self.band,
             columns: self.columns.clone(),
             frame: self.frame.clone(),
+            lit_frame: self.lit_frame.clone(),
             resources: &self.renderer.resources,
             blank: self.blank,
             deepest: u32::MAX,
@@ -427,17 +384,17 @@ impl<'a> Work<'a> {
     }
 
     /// Submits, waits, and adds times and counts.
-    fn finish(self, tally: &mut Tally) -> Result<(), GpuError> {
+    pub(super) fn finish(self, tally: &mut Tally) -> Result<(), GpuError> {
         let renderer = self.renderer;
-        let compacted = self.plan.capture == Capture::Compacted;
+        let whole = self.plan.capture.is_whole();
         self.recorder.submit().add_times(&mut tally.times)?;
         tally.bands += 1;
         if let Some(statistics) = renderer.resources.buffer("statistics") {
             let bytes = renderer.gpu.read_buffer(statistics, 4 * STATISTICS_WORDS as u64)?;
             let mut words: Vec<u32> = bytes.chunks_exact(4).map(bytemuck::pod_read_unaligned).collect();
-            if compacted {
-                // Everything that was counted is stored.
-                words[1] = words[0];
+            if whole {
+                // Everything that was counted is stored, unless a list was broken.
+                words[1] = words[0].saturating_sub(words[4]);
             }
             tally.layers.add_band(&words);
         }
@@ -499,6 +456,10 @@ fn aliases(renderer: &mut Renderer, plan: &FramePlan) {
         // Free until layers are lit.
         renderer.resources.alias("open_layers", "lit");
     }
+    // Where blending finds the fields.
+    if let Some(i) = plan.illustration {
+        renderer.resources.alias("field_in", operators::column_after(i.most_steps));
+    }
     for (alias, name) in [("atomic_keys", "keys"), ("key_words", "keys"), ("pixel_counts", "pixel_table")] {
         renderer.resources.alias(alias, name);
     }
@@ -526,11 +487,19 @@ pub(super) fn bind_settings(
         let parameters = curvature::parameters(features, &settings.features.curvature);
         resources.set("curvature_parameters", Resource::Buffer(gpu.uniform("curvature", &parameters)?));
     }
-    let constant = match plan.opacity {
-        Opacity::Constant { alpha } => alpha,
-        Opacity::Depth | Opacity::Curvature => 1.0,
+    let (constant, tail) = match plan.capture {
+        Capture::BucketedKBuffer { k, tail, .. } => (opacity::tail_opacity(plan.opacity, &settings.opacity, k), tail),
+        _ => (1.0, false),
     };
-    let tail = matches!(plan.capture, Capture::BucketedKBuffer { tail: true, .. });
+    if plan.illustration.is_some() {
+        let (fields, steps) = illustration::parameters(&settings.opacity.illustrative, plan.opacity);
+        resources.set("illustration", Resource::Buffer(gpu.uniform("illustration", &fields)?));
+        resources.set("step_parameters", Resource::Buffer(gpu.uniform("steps", &steps)?));
+        resources.ensure(&gpu, "steps", 12)?;
+        resources.ensure(&gpu, "step_arguments", 12)?;
+    }
+    let models = opacity::model_parameters(&settings.opacity, plan.size);
+    resources.set("model_parameters", Resource::Buffer(gpu.uniform("model", &models)?));
     if plan.runs(Pass::Stylize) || tail {
         let [color, alpha] = opacity::tables(&gpu, transfer)?;
         resources.set("color_table", Resource::Buffer(color));
@@ -538,7 +507,8 @@ pub(super) fn bind_settings(
         let parameters = opacity::parameters(transfer, settings.opacity.gain, constant, settings.opacity.ghost);
         resources.set("transfer", Resource::Buffer(gpu.uniform("transfer", &parameters)?));
     }
-    let blend = BlendParameters { opacity: constant as f32, ghost: settings.opacity.ghost as f32, _pad: [0; 2] };
+    let blend =
+        BlendParameters { opacity: plan.blend_opacity() as f32, ghost: settings.opacity.ghost as f32, _pad: [0; 2] };
     resources.set("blend_parameters", Resource::Buffer(gpu.uniform("blend", &blend)?));
     if plan.runs(Pass::Outline) {
         let wrong = || RenderError::OutlineColor { color: settings.outline.color.clone() };
@@ -550,7 +520,7 @@ pub(super) fn bind_settings(
         return Ok(());
     }
     resources.ensure(&gpu, "statistics", 4 * STATISTICS_WORDS as u64)?;
-    if plan.capture == Capture::Compacted {
+    if plan.capture.is_whole() {
         resources.ensure(&gpu, "row_sums", 4 * u64::from(plan.size[1]))?;
     }
     if plan.runs(Pass::Sort) || plan.runs(Pass::ZReordering) {

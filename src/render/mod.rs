@@ -6,6 +6,7 @@ mod pick;
 mod readback;
 mod reuse;
 mod targets;
+mod whole;
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -74,6 +75,21 @@ pub enum RenderError {
         /// Fragments that fit.
         limit: u64,
     },
+    /// One row of pixels has more fragments than the memory of linked lists holds.
+    #[error(
+        "row {row} of the image has {fragments} fragments with its neighbours; capture.linked_list.memory = {memory} MiB \
+         holds {limit}"
+    )]
+    ListsTooLarge {
+        /// Row of the image.
+        row: u32,
+        /// Fragments of its smallest band.
+        fragments: u64,
+        /// Fragments that fit.
+        limit: u64,
+        /// Memory that is allowed, MiB.
+        memory: u64,
+    },
 }
 
 impl From<GpuError> for RenderError {
@@ -95,6 +111,8 @@ pub struct FrameReport {
     pub bands: usize,
     /// What was taken from the frame before, which `passes` then lacks: see [`Renderer::keeps_layers`].
     pub kept: Kept,
+    /// Bands whose linked lists were filled a second time, because the buffers had been too small for all fragments.
+    pub refilled: u32,
     /// Bytes of the buffers that the frame used.
     pub buffer_bytes: u64,
     /// What was executed.

@@ -16,7 +16,7 @@ use crate::gpu::{GpuError, Resources};
 use crate::math::{Camera, Sphere};
 use crate::oracle;
 use crate::passes::capture::{BAND_DEEPEST, STATISTICS_WORDS};
-use crate::plan::{self, Capture, FramePlan, Opacity, ViewStats};
+use crate::plan::{self, Capture, FramePlan, ViewStats};
 use crate::scene::{PartLook, PartStyle, Presence};
 use crate::settings::Settings;
 use crate::transfer::TransferFunction;
@@ -188,10 +188,7 @@ impl Renderer {
 
         let at = ((y - band.first_row) * plan.size[0] + x) as usize;
         let store = self.decode(plan, scene, camera, at..at + 1)?;
-        let constant = match plan.opacity {
-            Opacity::Constant { alpha } => alpha as f32,
-            Opacity::Depth | Opacity::Curvature => 1.0,
-        };
+        let constant = plan.blend_opacity() as f32;
         let ghost = settings.opacity.ghost as f32;
         let world_from_view = view_from_world.inverse();
         let layer = |i: usize| {

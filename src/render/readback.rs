@@ -10,7 +10,7 @@ use crate::gpu::GpuError;
 use crate::math::Camera;
 use crate::math::color::linear_from_srgb;
 use crate::oracle::{Link, StoreData};
-use crate::passes::PartFacts;
+use crate::passes::{PartFacts, operators};
 use crate::plan::{Capture, FramePlan};
 use crate::settings::{DepthQuantization, NormalEncoding};
 
@@ -25,6 +25,8 @@ pub struct StoreReadback {
     pub links: Vec<[Link; 4]>,
     /// κ; empty if it was not computed.
     pub kappa: Vec<f32>,
+    /// α, β, γ of illustrative transparency after diffusion, and what is fixed (1 β, 2 γ); empty without.
+    pub fields: Vec<[f32; 4]>,
     /// Linear rgb and straight alpha after light and stylization.
     pub lit: Vec<[f32; 4]>,
     /// For each pixel its layers in (part, depth) order and its bucket table (part, first, end); empty without buckets.
@@ -151,6 +153,10 @@ impl Renderer {
         let ahead = self.read_optional("links_ahead")?;
         let behind = self.read_optional("links_behind")?;
         let kappas = self.read_optional("kappas")?;
+        let fields = match plan.illustration {
+            Some(i) => self.read_words(operators::column_after(i.most_steps))?,
+            None => Vec::new(),
+        };
         let by_part = self.read_optional("by_part")?;
         let buckets = self.read_optional("buckets")?;
         let part_table: Vec<u32> = {
@@ -236,6 +242,9 @@ impl Renderer {
                         0xFFFE => Link::Unknown,
                         layer => Link::To(layer),
                     }));
+                }
+                if !fields.is_empty() {
+                    out.fields.push([0, 1, 2, 3].map(|c| f32::from_bits(fields[4 * i + c])));
                 }
                 if !kappas.is_empty() {
                     out.kappa.push(f32::from_bits(kappas[i]));

@@ -11,9 +11,11 @@
 
 use serde::Serialize;
 
-use super::Renderer;
+use super::frame::{Tally, View, Work, ensure_fragments, light_layers, whole};
+use super::{RenderError, Renderer};
 use crate::math::Camera;
 use crate::passes::capture::LayerCounts;
+use crate::passes::composite;
 use crate::passes::geometry::{DrawOrder, GpuScene};
 use crate::plan::{Capture, FramePlan, Pass, PlannedBuffer};
 use crate::scene::{Arrangement, PartLook, Presence};
@@ -131,4 +133,29 @@ fn as_captured(arrangement: &Arrangement) -> Arrangement {
         shown.parts.retain(|_, look| *look != PartLook::default());
     }
     shown
+}
+
+/// The frame from where it differs from the one whose layers are stored.
+pub(super) fn draw_stored(
+    renderer: &mut Renderer,
+    plan: &FramePlan,
+    view: &View<'_>,
+    blank: &wgpu::TextureView,
+    stored: &Stored,
+    kept: Kept,
+    tally: &mut Tally,
+) -> Result<(), RenderError> {
+    let mut deepest = u32::MAX;
+    if let Some((fragments, deepest_pixel)) = stored.room {
+        ensure_fragments(renderer, plan, fragments, deepest_pixel)?;
+        deepest = deepest_pixel;
+    }
+    let mut work = Work::new(renderer, plan, view, whole(plan), blank)?;
+    let mut context = work.context();
+    context.deepest = deepest;
+    light_layers(&mut context, kept)?;
+    composite::blend(&mut context)?;
+    work.submit_times(tally)?;
+    (tally.layers, tally.room, tally.bands) = (stored.layers, stored.room, 1);
+    Ok(())
 }

@@ -200,6 +200,14 @@ pub enum Measure {
     OrderDependence(u32),
     /// Share of pixels that differ by more than 1/255 from the picture of another scene.
     PictureUnlike(Source),
+    /// Share of links whose neighbour is linked elsewhere, or not at all.
+    LinksOneWay,
+    /// Largest error of a field of illustrative transparency from the oracle's over the same links and base opacity.
+    FieldError,
+    /// Largest error of illustrative opacity from what the oracle makes of the same fields.
+    FieldOpacityError,
+    /// Share of layers at which a halo begins or a highlight is stopped, in a picture in which nothing ends.
+    Halos,
     /// Random scenes, as tiles of pictures, of which any stage differs from the oracle.
     RandomScenes,
 }
@@ -230,6 +238,10 @@ impl Measure {
             Measure::UnlikeExact => "pixels unlike exact",
             Measure::OrderDependence(_) => "pixels by draw order",
             Measure::PictureUnlike(_) => "pixels changed",
+            Measure::LinksOneWay => "links one way",
+            Measure::FieldError => "worst field",
+            Measure::FieldOpacityError => "worst opacity",
+            Measure::Halos => "false halos",
             Measure::RandomScenes => "random scenes wrong",
         }
     }
@@ -249,14 +261,21 @@ impl Measure {
             | Measure::UnlikeExact
             | Measure::NotRefused
             | Measure::OrderDependence(_)
+            | Measure::LinksOneWay
+            | Measure::Halos
             | Measure::PictureUnlike(_) => " %",
             Measure::NormalError => "°",
             Measure::ColorError
             | Measure::LightError
             | Measure::StyleError
             | Measure::BlendError
+            | Measure::FieldOpacityError
             | Measure::PictureError => "/255",
-            Measure::CurvatureSpread | Measure::CurvaturePeak | Measure::KappaError | Measure::RandomScenes => "",
+            Measure::CurvatureSpread
+            | Measure::CurvaturePeak
+            | Measure::KappaError
+            | Measure::FieldError
+            | Measure::RandomScenes => "",
         }
     }
 }

@@ -189,7 +189,7 @@ macro_rules! settings {
         }
 
         impl $Name {
-            fn declare(prefix: &str, all: &mut Vec<Declaration>) {
+            pub(in crate::settings) fn declare(prefix: &str, all: &mut Vec<Declaration>) {
                 $($crate::settings::declare::settings!(@declare prefix all $declares);)*
             }
         }

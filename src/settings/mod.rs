@@ -7,6 +7,7 @@
 
 mod axis;
 mod declare;
+mod illustration;
 pub mod looks;
 
 use serde::{Deserialize, Serialize};
@@ -15,6 +16,10 @@ pub use axis::{Axis, Effect, Knob, Technique, text_at};
 pub(crate) use declare::edit_distance;
 pub use declare::{Declaration, Range};
 use declare::{choice, settings};
+pub use illustration::{
+    AlphaSettings, AngleSettings, BaseOpacity, BetaSettings, Diffusion, GammaSettings, IllustrativeSettings,
+    PrintedForm, Profile, Steps, VariationSettings,
+};
 
 use crate::transfer::TransferSource;
 
@@ -26,6 +31,19 @@ choice! {
         Compacted = "compacted",
         /// The k nearest layers, bucketed by part (Murray 2016).
         BucketedKBuffer = "bucketed_k_buffer",
+        /// A linked list a pixel, filled in one geometry pass: every layer, exactly (Carnecky 2013).
+        LinkedList = "linked_list",
+    }
+}
+
+choice! {
+    /// How the linked list of a pixel is sorted. Both give the same answer.
+    pub enum ListSort {
+        /// By a network for its length, or by heap sort.
+        #[default]
+        ByLength = "by_length",
+        /// The paper's: the list is walked once for every layer, for the nearest that is not placed yet.
+        Selection = "selection",
     }
 }
 
@@ -107,6 +125,10 @@ choice! {
         Slope = "slope",
         /// The layer's own depth, as printed in Murray 2016, in radii of the part (T7).
         Printed = "printed",
+        /// Carnecky 2013: the tangent plane, in radii of the part, not squared, the same both ways (T13).
+        Continuity = "continuity",
+        /// The same as printed: with its sign and one layer's slope, so that most links go one way (T13).
+        ContinuityPrinted = "continuity_printed",
     }
 }
 
@@ -146,6 +168,14 @@ choice! {
         Constant = "constant",
         /// Opaque.
         Opaque = "opaque",
+        /// The same accumulated opacity in every pixel, however many layers it has (Carnecky 2013, equation 5).
+        Adaptive = "adaptive",
+        /// By the angle between normal and sight line (Hummel 2010).
+        AngleBased = "angle_based",
+        /// By how fast the normal turns (Born 2010).
+        NormalVariation = "normal_variation",
+        /// Opaque silhouettes and clear halos behind them over another model (Carnecky 2013).
+        Illustrative = "illustrative",
     }
 }
 
@@ -166,6 +196,18 @@ settings! {
 }
 
 settings! {
+    /// Linked lists.
+    pub struct LinkedListSettings {
+        /// How lists are sorted. Both give the same answer.
+        pub sort: ListSort = ListSort::ByLength, Range::Choice(ListSort::NAMES);
+        /// Fragments for which room is made before their number is known; 0 for nine a pixel.
+        pub capacity: u32 = 0, Range::Integer(0, 4_000_000_000);
+        /// Most memory for lists and layers, MiB; what does not fit is made in bands.
+        pub memory: u32 = 2048, Range::Integer(1, 1_048_576);
+    }
+}
+
+settings! {
     /// Stage 1: the surface layers of every pixel.
     pub struct CaptureSettings {
         /// Capture technique.
@@ -174,6 +216,8 @@ settings! {
         pub normals: NormalEncoding = NormalEncoding::Octahedral, Range::Choice(NormalEncoding::NAMES);
         /// Settings of the Bucketed k-Buffer.
         pub group bucketed_k_buffer: BucketedKBufferSettings;
+        /// Settings of the linked lists.
+        pub group linked_list: LinkedListSettings;
     }
 }
 
@@ -219,6 +263,14 @@ settings! {
         pub model: OpacityModel = OpacityModel::Curvature, Range::Choice(OpacityModel::NAMES);
         /// Opacity of every layer under `constant`.
         pub constant: f64 = 0.3, Range::Real(0.0, 1.0);
+        /// Opacity of all layers of a pixel together under `adaptive`.
+        pub adaptive: f64 = 0.7, Range::Real(0.0, 1.0);
+        /// Angle-based opacity.
+        pub group angle: AngleSettings;
+        /// Opacity by normal variation.
+        pub group variation: VariationSettings;
+        /// Illustrative transparency.
+        pub group illustrative: IllustrativeSettings;
         /// Transfer functions under `curvature`: a name from `transfer_functions/` or a path.
         pub transfer: TransferSource = TransferSource::default(), Range::Text;
         /// Multiplies what the opacity transfer function gives.
@@ -306,6 +358,16 @@ pub enum SettingsError {
     /// A settings file is not valid TOML or does not have the tree of the settings.
     #[error("settings: {0}")]
     Syntax(String),
+}
+
+impl OpacitySettings {
+    /// The model that gives each layer its opacity, before illustrative transparency acts on it.
+    pub fn base_model(&self) -> OpacityModel {
+        match self.model {
+            OpacityModel::Illustrative => self.illustrative.base.model(),
+            model => model,
+        }
+    }
 }
 
 impl Settings {

@@ -68,6 +68,7 @@ pub fn settings(pairs: &str) -> Settings {
             "k" => "capture.bucketed_k_buffer.k",
             "key" => "capture.bucketed_k_buffer.key",
             "depth" => "capture.bucketed_k_buffer.depth",
+            "sort" => "capture.linked_list.sort",
             "tail" => "capture.bucketed_k_buffer.tail",
             "normals" => "capture.normals",
             "search" => "features.neighbours",
@@ -83,7 +84,11 @@ pub fn settings(pairs: &str) -> Settings {
             "gain" => "opacity.gain",
             path => path,
         };
-        let value = if value == "bkb" { "bucketed_k_buffer" } else { value };
+        let value = match value {
+            "bkb" => "bucketed_k_buffer",
+            "lists" => "linked_list",
+            value => value,
+        };
         settings.set(path, value).unwrap_or_else(|e| panic!("{e}"));
     }
     settings

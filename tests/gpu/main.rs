@@ -12,6 +12,8 @@ mod common;
 mod curvature;
 mod hard_cases;
 mod histogram;
+mod illustration;
+mod illustrative;
 mod meshes;
 mod pictures;
 mod raster;

@@ -84,7 +84,11 @@ fn planted_errors_are_found() {
         ("common/packing", "(u32(m.unlit) << 24u)", "0u"),
         ("store/normal_octahedral", "let p = n.xy /", "let p = n.yx /"),
         ("passes/capture/bucketed_k_buffer/z_insertion", "i < k; i++", "i + 1u < k; i++"),
-        ("passes/capture/compacted/gather", "let source = base + sources[base + i];", "let source = base + i;"),
+        (
+            "passes/capture/compacted/gather",
+            "let source = source_of(base, sources[base + i]);",
+            "let source = source_of(base, i);",
+        ),
         (
             "passes/sort/elements_by_part",
             "return vec2<u32>(parts[base + i], i);",
@@ -95,8 +99,8 @@ fn planted_errors_are_found() {
             "var index = hash_of(part, slots);",
             "var index = hash_of(part + 1u, slots);",
         ),
-        ("passes/features/neighbour_epsilon", "let epsilon_z = dz * dz;", "let epsilon_z = abs(dz);"),
-        ("passes/features/links_by_buckets", "(x * x + y * y + z * z) + dz * dz", "(x * x + y * y + z * z) + abs(dz)"),
+        ("passes/features/neighbour_epsilon", "let epsilon_z = depth_measure(dz, back);", "let epsilon_z = abs(dz);"),
+        ("passes/features/links_by_buckets", "+ depth_measures(dz, dz_back)", "+ abs(dz)"),
         ("passes/features/links_by_buckets", "let mutual = decided & ", "let mutual = decided | "),
         ("store/links", "select(MISSING, UNKNOWN, overflowed(other))", "MISSING"),
         ("passes/features/reverse_check", "pixel + 1u, 1u, layer)", "pixel + 1u, 0u, layer)"),
@@ -107,7 +111,7 @@ fn planted_errors_are_found() {
         ("common/lighting", "SHOULDER_START: f32 = 0.75", "SHOULDER_START: f32 = 0.6"),
         ("passes/opacity/transfer", "max(2.0 * value - 1.0,", "max(2.0 * value - 0.95,"),
         ("passes/opacity/transfer", "vec2<f32>(depth01, abs(kappa))", "vec2<f32>(abs(kappa), depth01)"),
-        ("passes/composite/blend", "transmitted *= 1.0 - alpha;", "transmitted *= 1.0 - 0.97 * alpha;"),
+        ("passes/composite/transmits_rest", "1.0 - alpha", "1.0 - 0.97 * alpha"),
     ] {
         r.replace_shader(module, Some(changed(module, from, to)));
         let found = quietly(|| check_all(&mut r, "planted", &scene, &camera, size, &rows)).is_err();

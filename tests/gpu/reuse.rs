@@ -34,7 +34,12 @@ fn what_is_kept_changes_no_bit() {
     keeping.keeps_layers = true;
     let scene = builtin::build("hard/assembly?seed=3").expect("a scene");
     let bounds = scene.bounds();
-    for capture in ["kind=bkb k=12", "kind=bkb k=6 capture.bucketed_k_buffer.slot_search=bucket", "kind=compacted"] {
+    for capture in [
+        "kind=bkb k=12",
+        "kind=bkb k=6 capture.bucketed_k_buffer.slot_search=bucket",
+        "kind=compacted",
+        "kind=linked_list",
+    ] {
         let mut loaded = [plain.load(&scene).expect("a scene"), keeping.load(&scene).expect("a scene")];
         let first = Seen {
             pairs: format!("{capture} radius=0.02"),
@@ -87,6 +92,8 @@ fn what_is_kept_changes_no_bit() {
             ("cut", cut, Kept::Nothing),
             ("exploded", exploded, Kept::Nothing),
             ("constant", add("model=constant", &first), Kept::Nothing),
+            ("illustrative", add("model=illustrative", &first), Kept::Nothing),
+            ("narrower halos", add("model=illustrative opacity.illustrative.iterations=5", &first), Kept::Features),
             ("two samples", add("image.samples=2", &first), Kept::Nothing),
             ("one again", first.clone(), Kept::Nothing),
         ];

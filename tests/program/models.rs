@@ -9,7 +9,6 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 use pellucid::import::{self, ImportError};
 use pellucid::math::Camera;
-use pellucid::plan::Capture;
 use pellucid::render::Renderer;
 use pellucid::scene::{Arrangement, Cut, Scene, Section, Solids};
 use pellucid::settings::{CaptureKind, Settings};
@@ -87,7 +86,7 @@ fn judge_picture(renderer: &mut Renderer, scene: &Scene, settings: &Settings) ->
     if !layers.balanced() {
         return Err(format!("the books do not balance: {layers:?}"));
     }
-    if frame.report.plan.capture == Capture::Compacted && layers.stored != layers.rasterized {
+    if frame.report.plan.capture.is_whole() && layers.stored != layers.rasterized {
         return Err(format!("not every fragment is stored: {layers:?}"));
     }
     let wrong = |p: &[f32; 4]| !p.iter().all(|v| v.is_finite() && *v >= 0.0) || p[3] > 1.001;

@@ -10,8 +10,9 @@ use naga::{AddressSpace, Module, ShaderStage, TypeInner};
 use pellucid::gpu::{compose, shader_files};
 use pellucid::passes::shaders::{PassShader, RASTER, all_plans, all_shaders};
 use pellucid::passes::{
-    BlendParameters, CurvatureParameters, FrameUniform, InstanceUniform, MaterialUniform, OutlineParameters, PartFacts,
-    Sections, ShadeParameters, StoreLayout, TransferParameters,
+    BlendParameters, CurvatureParameters, FrameUniform, IllustrationParameters, InstanceUniform, MaterialUniform,
+    ModelParameters, OutlineParameters, PartFacts, Sections, ShadeParameters, StepParameters, StoreLayout,
+    TransferParameters,
 };
 use pellucid::plan::{Pass, storage_buffers};
 use rayon::prelude::*;
@@ -238,6 +239,11 @@ fn twins() -> Vec<Twin> {
         }),
         twin!(ShadeParameters = "ShadeParameters" { lights }),
         twin!(TransferParameters = "TransferParameters" { color_mode, gain, constant, ghost }),
+        twin!(ModelParameters = "ModelParameters" { share, low, high, scale }),
+        twin!(IllustrationParameters = "IllustrationParameters" {
+            lambda, diffusion, profile, p, constant, heat_steps, printed, _pad
+        }),
+        twin!(StepParameters = "StepParameters" { always, early_stop, _pad }),
         twin!(BlendParameters = "BlendParameters" { opacity, ghost, _pad }),
         twin!(OutlineParameters = "OutlineParameters" { color, width, _pad }),
     ]

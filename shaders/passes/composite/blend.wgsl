@@ -30,7 +30,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         let whole = clamp(next.a * blend_parameters.opacity, 0.0, 1.0);
         let alpha = layer_alpha(base + layer, whole, blend_parameters.ghost);
         color += (transmitted * alpha) * next.rgb;
-        transmitted *= 1.0 - alpha;
+        transmitted *= transmission(base + layer, alpha);
         if transmitted < 9.5367431640625e-7 {
             break;
         }

@@ -5,7 +5,10 @@
 // neighbouring pixel are read, and a layer of another part is infinitely far. Same answer as by buckets.
 
 struct Seeker {
+    x: u32,
+    y: u32,
     part: u32,
+    depth: f32,
     normal: vec3<f32>,
     inverse_unit: f32,
     // The depth that the surface is expected to have in each adjacent pixel.
@@ -25,7 +28,8 @@ fn best_candidate(adjacent: Adjacent, direction: u32, seeker: Seeker) -> u32 {
     for (var layer = 0u; layer < count; layer++) {
         let slot = base + layer;
         let shape = layer_shape(slot);
-        let epsilon = neighbour_epsilon(seeker.normal, seeker.expected[direction], seeker.inverse_unit, shape).x;
+        let back = difference_back(seeker.x, seeker.y, direction, seeker.depth, seeker.part, shape);
+        let epsilon = neighbour_epsilon(seeker.normal, seeker.expected[direction], seeker.inverse_unit, shape, back).x;
         if parts[slot] == seeker.part && epsilon < least {
             least = epsilon;
             best = layer;
@@ -48,8 +52,9 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         let slot = base + layer;
         let part = parts[slot];
         let shape = layer_shape(slot);
-        let expected = expected_depths(id.x, id.y + frame.first_row, shape.depth, shape.normal);
-        let seeker = Seeker(part, shape.normal, inverse_depth_unit(shape.depth, part), expected);
+        let y = id.y + frame.first_row;
+        let expected = expected_depths(id.x, y, shape.depth, shape.normal);
+        let seeker = Seeker(id.x, y, part, shape.depth, shape.normal, inverse_depth_unit(shape.depth, part), expected);
         candidates_ahead[slot] = best_candidate(adjacent, 0u, seeker) | (best_candidate(adjacent, 2u, seeker) << 16u);
         candidates_behind[slot] = vec2<u32>(best_candidate(adjacent, 1u, seeker), best_candidate(adjacent, 3u, seeker));
     }

@@ -1,12 +1,6 @@
 //@ use common/frame
-//@ use store/part_table
 // As printed (Murray 2016, section 5.1): a neighbour is expected at the layer's own depth.
 
 fn expected_depths(x: u32, y: u32, depth: f32, normal: vec3<f32>) -> vec4<f32> {
     return vec4<f32>(depth);
-}
-
-// In radii of the part (T7).
-fn inverse_depth_unit(depth: f32, part: u32) -> f32 {
-    return part_table[part].inverse_radius;
 }

@@ -79,13 +79,21 @@ fn expected_in(couple: Couple, x: u32, y: u32, direction: u32, part: u32) -> Exp
     );
 }
 
-// As neighbour_epsilon, to two layers.
-fn couple_epsilons(normal: vec3<f32>, expected: f32, inverse_unit: f32, others: Couple) -> vec2<f32> {
+// As neighbour_epsilon, to two layers, of which `back` says where they expect the layer.
+fn couple_epsilons(
+    normal: vec3<f32>,
+    depth: f32,
+    expected: f32,
+    inverse_unit: f32,
+    others: Couple,
+    back: Expected,
+) -> vec2<f32> {
     let dz = (expected - others.depths) * inverse_unit;
+    let dz_back = (back.depths - depth) * back.inverse_units;
     let x = normal.x - others.normals_x;
     let y = normal.y - others.normals_y;
     let z = normal.z - others.normals_z;
-    return 0.5 * (x * x + y * y + z * z) + dz * dz;
+    return 0.5 * (x * x + y * y + z * z) + depth_measures(dz, dz_back);
 }
 
 // The best of the other two for each of two.
@@ -111,12 +119,13 @@ fn choose(choice: ptr<function, Choice>, i: u32, epsilons: vec2<f32>, count: u32
     (*choice).epsilon[i] = least;
 }
 
-fn choice_of(couple: Couple, expected: Expected, others: Couple) -> Choice {
+fn choice_of(couple: Couple, expected: Expected, others: Couple, back: Expected) -> Choice {
     var choice: Choice;
+    let d = couple.depths;
     let e = expected.depths;
     let u = expected.inverse_units;
-    choose(&choice, 0u, couple_epsilons(normal_of(couple, 0u), e.x, u.x, others), others.count);
-    choose(&choice, 1u, couple_epsilons(normal_of(couple, 1u), e.y, u.y, others), others.count);
+    choose(&choice, 0u, couple_epsilons(normal_of(couple, 0u), d.x, e.x, u.x, others, back), others.count);
+    choose(&choice, 1u, couple_epsilons(normal_of(couple, 1u), d.y, e.y, u.y, others, back), others.count);
     return choice;
 }
 
@@ -128,8 +137,8 @@ fn is_decided(expected: Expected, choice: Choice, others: Couple) -> vec2<bool> 
     let after = (expected.depths - others.after) * expected.inverse_units;
     let behind_all = vec2<f32>(others.before) <= expected.depths;
     let before_all = vec2<f32>(others.after) >= expected.depths;
-    return (vec2<bool>(nothing_before) | (behind_all & (before * before > choice.epsilon)))
-        & (vec2<bool>(nothing_after) | (before_all & (after * after > choice.epsilon)));
+    return (vec2<bool>(nothing_before) | (behind_all & (least_measures(before) > choice.epsilon)))
+        & (vec2<bool>(nothing_after) | (before_all & (least_measures(after) > choice.epsilon)));
 }
 
 // The other pixel of a pair, read once for all parts.
@@ -164,8 +173,8 @@ fn pair(own: Couple, slot: u32, other: Other, way: Way) -> vec2<u32> {
     let others = couple_at(Bucket(base, entry.first, entry.end), start, entry.end);
     let expected = expected_in(own, way.x, way.y, way.direction, way.part);
     let back = expected_in(others, way.x + way.step.x, way.y + way.step.y, way.direction + 1u, way.part);
-    let forward = choice_of(own, expected, others);
-    let backward = choice_of(others, back, own);
+    let forward = choice_of(own, expected, others, back);
+    let backward = choice_of(others, back, own, expected);
     // Decided are layers whose choice is, and whose choice's choice is.
     let backward_decided = is_decided(back, backward, own);
     let second = forward.index == vec2<u32>(1u);

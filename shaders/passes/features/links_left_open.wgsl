@@ -20,15 +20,32 @@ fn arrange() {
     open_arguments[2] = 1u;
 }
 
+// Who searches: a layer, and the direction in which it does.
+struct Seeker {
+    x: u32,
+    y: u32,
+    direction: u32,
+    part: u32,
+    depth: f32,
+    normal: vec3<f32>,
+}
+
+fn epsilon_of(seeker: Seeker, expected: f32, inverse_unit: f32, shape: Shape) -> vec2<f32> {
+    let back = difference_back(seeker.x, seeker.y, seeker.direction, seeker.depth, seeker.part, shape);
+    return neighbour_epsilon(seeker.normal, expected, inverse_unit, shape, back);
+}
+
 // The position of the best layer of a bucket, outward from a position; NONE if the bucket is empty.
-fn search_bucket(bucket: Bucket, start: u32, normal: vec3<f32>, expected: f32, inverse_unit: f32) -> u32 {
+fn search_bucket(bucket: Bucket, start: u32, seeker: Seeker) -> u32 {
+    let expected = expected_depths(seeker.x, seeker.y, seeker.depth, seeker.normal)[seeker.direction];
+    let inverse_unit = inverse_depth_unit(seeker.depth, seeker.part);
     let near = clamp(start, bucket.first, bucket.end);
     var best = NONE;
     var least = 3.4e38;
     // Among equals the nearer layer wins, here the later one.
     for (var position = near; position > bucket.first; position--) {
         let shape = layer_shape(bucket.base + by_part[bucket.base + position - 1u]);
-        let epsilon = neighbour_epsilon(normal, expected, inverse_unit, shape);
+        let epsilon = epsilon_of(seeker, expected, inverse_unit, shape);
         if shape.depth <= expected && epsilon.y > least {
             break;
         }
@@ -39,7 +56,7 @@ fn search_bucket(bucket: Bucket, start: u32, normal: vec3<f32>, expected: f32, i
     }
     for (var position = near; position < bucket.end; position++) {
         let shape = layer_shape(bucket.base + by_part[bucket.base + position]);
-        let epsilon = neighbour_epsilon(normal, expected, inverse_unit, shape);
+        let epsilon = epsilon_of(seeker, expected, inverse_unit, shape);
         if shape.depth >= expected && epsilon.y > least {
             break;
         }
@@ -62,16 +79,15 @@ fn search_both_ways(own: Bucket, position: u32, x: u32, row: u32, axis: u32, par
     let none = absent(other_pixel);
     let layer = by_part[own.base + position];
     let shape = layer_shape(own.base + layer);
-    let expected = expected_depths(x, y, shape.depth, shape.normal)[2u * axis];
     let start = entry.first + position - own.first;
-    let found = search_bucket(other, start, shape.normal, expected, inverse_depth_unit(shape.depth, part));
+    let found = search_bucket(other, start, Seeker(x, y, 2u * axis, part, shape.depth, shape.normal));
     if found == NONE {
         return none;
     }
     let there = by_part[other.base + found];
     let back = layer_shape(other.base + there);
-    let expected_back = expected_depths(x + step.x, y + step.y, back.depth, back.normal)[2u * axis + 1u];
-    if search_bucket(own, position, back.normal, expected_back, inverse_depth_unit(back.depth, part)) != position {
+    let seeker = Seeker(x + step.x, y + step.y, 2u * axis + 1u, part, back.depth, back.normal);
+    if search_bucket(own, position, seeker) != position {
         return none;
     }
     links_behind[other.base + there][axis] = layer;

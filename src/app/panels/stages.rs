@@ -94,12 +94,20 @@ fn sound(path: &str, text: &str) -> Result<(), String> {
 
 /// Whether a setting has any part in the picture, given the others. What has none is dimmed, not locked.
 fn matters(settings: &Settings, path: &str) -> bool {
-    let stylized = settings.opacity.model == OpacityModel::Curvature;
+    let base = settings.opacity.base_model();
+    let illustrated = settings.opacity.model == OpacityModel::Illustrative;
+    let stylized = base == OpacityModel::Curvature;
     match path {
-        "opacity.constant" => settings.opacity.model == OpacityModel::Constant,
+        "opacity.constant" => base == OpacityModel::Constant,
+        "opacity.adaptive" => base == OpacityModel::Adaptive,
+        _ if path.starts_with("opacity.angle.") => base == OpacityModel::AngleBased,
+        _ if path.starts_with("opacity.variation.") => base == OpacityModel::NormalVariation,
+        _ if path.starts_with("opacity.illustrative.") => illustrated,
+        _ if path.starts_with("capture.linked_list.") => settings.capture.kind == CaptureKind::LinkedList,
+        _ if path.starts_with("features.curvature.") => stylized,
         "opacity.transfer" | "opacity.gain" => stylized,
         _ if path.starts_with("capture.bucketed_k_buffer.") => settings.capture.kind == CaptureKind::BucketedKBuffer,
-        _ if path.starts_with("features.") => stylized,
+        _ if path.starts_with("features.") => stylized || illustrated || base == OpacityModel::NormalVariation,
         _ => true,
     }
 }

@@ -125,9 +125,10 @@ pub fn data_storage_spec(plan: &FramePlan, vertex: ShaderSpec) -> ShaderSpec {
         "passes/capture/bucketed_k_buffer/part_not_stored"
     };
     let tail: &[&'static str] = match (plan.capture, plan.opacity) {
-        (Capture::BucketedKBuffer { tail: false, .. } | Capture::Compacted | Capture::None, _) => &[TAIL_NONE],
-        (_, Opacity::Constant { .. }) => &[TAIL_AVERAGE, "passes/capture/bucketed_k_buffer/tail_constant"],
+        (Capture::BucketedKBuffer { tail: false, .. } | Capture::None, _) => &[TAIL_NONE],
+        (capture, _) if capture.is_whole() => &[TAIL_NONE],
         (_, Opacity::Depth | Opacity::Curvature) => &[TAIL_AVERAGE, "passes/capture/bucketed_k_buffer/tail_transfer"],
+        _ => &[TAIL_AVERAGE, "passes/capture/bucketed_k_buffer/tail_constant"],
     };
     let spec = vertex.with("passes/capture/bucketed_k_buffer/data_storage").with(key).with(slot).with(part);
     let spec = tail.iter().fold(spec.with(recolor(plan)).with(clip(plan)), |spec, module| spec.with(module));

@@ -10,6 +10,7 @@ use crate::gpu::{GpuError, ShaderSpec};
 use crate::passes::Context;
 use crate::passes::store::StoreModules;
 use crate::plan::{Capture, FramePlan, Pass};
+use crate::settings::ListSort;
 
 /// The module that reads a layer's part off its key.
 pub fn part_of_key(plan: &FramePlan) -> &'static str {
@@ -48,8 +49,12 @@ pub fn z_reordering(context: &mut Context<'_>) -> Result<(), GpuError> {
             sort::classify(context, Pass::ZReordering)?;
             k
         }
+        Capture::LinkedList { sort: ListSort::Selection, .. } => {
+            sort::classify(context, Pass::ZReordering)?;
+            context.deepest
+        }
         // The sort by depth has listed the pixels already.
-        Capture::Compacted | Capture::None => context.deepest,
+        Capture::Compacted | Capture::LinkedList { .. } | Capture::None => context.deepest,
     };
     sort::sort(context, Pass::ZReordering, SORTED, longest)
 }

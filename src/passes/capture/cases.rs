@@ -36,6 +36,9 @@ const AT_THE_SHELLS: CaseCamera = CaseCamera::Placed(Camera {
     projection: Projection::Perspective { fov_y: 0.25 },
 });
 
+const LISTS: Method = Method::of("linked lists", "capture.kind=linked_list opacity.model=constant");
+const FILL: &str = "passes/capture/linked_list/fill";
+
 /// Cases of the captures.
 pub const CASES: &[HardCase] = &[
     HardCase {
@@ -343,7 +346,7 @@ pub const CASES: &[HardCase] = &[
         ours: Method::of("compacted", ""),
         contrast: Some(Planted(Method::of("surfaces not gathered", "").changed(
             "passes/capture/compacted/gather",
-            "let source = base + sources[base + i];",
+            "let source = source_of(base, sources[base + i]);",
             "let source = base + i;",
         ))),
         measure: Measure::RandomScenes,
@@ -366,6 +369,72 @@ pub const CASES: &[HardCase] = &[
             ),
         )),
         measure: Measure::RandomScenes,
+        bound: 0.0,
+    },
+    HardCase {
+        name: "t17-list-overflow",
+        trap: "T17",
+        why: "Linked lists with room for a hundred fragments, where there are thousands. The buffer must grow to what was \
+              counted and be filled again before anything is shown; a frame drawn with what found room lacks nearly all.",
+        scene: Builtin("builtin:hard/stack?layers=20&gap=0.1"),
+        camera: CaseCamera::INTO,
+        size: [32, 31],
+        ours: Method::of("grown", "capture.kind=linked_list opacity.model=constant capture.linked_list.capacity=100"),
+        contrast: Some(Planted(
+            Method::of("what found room", "capture.kind=linked_list opacity.model=constant").changed(
+                FILL,
+                "place < store_layout.capacity",
+                "place < 100u",
+            ),
+        )),
+        measure: Measure::FragmentsLost,
+        bound: 0.0,
+    },
+    HardCase {
+        name: "t17-list-with-a-cycle",
+        trap: "T17",
+        why: "A list whose end leads back into it must not hold up the device: whoever walks it takes as many steps as the \
+              pixel has fragments, and what is then not at its end is counted as lost.",
+        scene: Builtin("builtin:hard/stack?layers=20&gap=0.1"),
+        camera: CaseCamera::INTO,
+        size: [32, 31],
+        ours: LISTS,
+        contrast: Some(Planted(LISTS.changed(
+            FILL,
+            "list_next[place] = atomicExchange(&list_heads[pixel], place + 1u);",
+            "list_next[place] = max(atomicExchange(&list_heads[pixel], place + 1u), place + 1u);",
+        ))),
+        measure: Measure::Unaccounted,
+        bound: 0.0,
+    },
+    HardCase {
+        name: "t17-long-lists",
+        trap: "T17",
+        why: "Lists of 300 fragments, far longer than any sorting network, must come out in the same order as in every other \
+              capture, or surfaces change places in deep assemblies.",
+        scene: Builtin("builtin:hard/stack?layers=300&gap=0.01"),
+        camera: CaseCamera::INTO,
+        size: [24, 23],
+        ours: LISTS,
+        contrast: Some(Planted(LISTS.changed("passes/sort/long_lists", "end > 0u; end--", "end > 1u; end--"))),
+        measure: Measure::UnlikeExact,
+        bound: 0.0,
+    },
+    HardCase {
+        name: "t19-equal-depths",
+        trap: "T19",
+        why: "Sixteen faces of different colours in one place, in linked lists: fragments arrive in any order, so equal depths \
+              need one of their own, the triangle's number, or the picture depends on the order of drawing.",
+        scene: Builtin("builtin:hard/equal-keys?colors=1&layers=16"),
+        camera: CaseCamera::INTO,
+        size: [32, 31],
+        ours: LISTS,
+        contrast: Some(Planted(LISTS.changed(
+            "passes/sort/elements_collected",
+            "a.x < b.x || (a.x == b.x && a.y < b.y)",
+            "a.x < b.x",
+        ))),
+        measure: Measure::OrderDependence(3),
         bound: 0.0,
     },
 ];

@@ -14,7 +14,7 @@ use crate::gpu::{GpuError, ShaderSpec};
 use crate::passes::Context;
 use crate::passes::geometry::{GpuScene, Vertices, clip, draw, recolor};
 use crate::passes::store::StoreModules;
-use crate::plan::{FramePlan, Pass};
+use crate::plan::{Capture, FramePlan, Pass};
 
 /// The shader of [`count`], over a vertex stage.
 pub fn count_spec(plan: &FramePlan, vertex: ShaderSpec) -> ShaderSpec {
@@ -40,7 +40,11 @@ pub const SORTED: &str = "passes/sort/elements_by_depth";
 
 /// The shader of [`gather`].
 pub fn gather_spec(plan: &FramePlan) -> ShaderSpec {
-    StoreModules::of(plan).normals_alone(ShaderSpec::new("passes/capture/compacted/gather"))
+    let source = match plan.capture {
+        Capture::LinkedList { .. } => "passes/capture/linked_list/source_in_list",
+        _ => "passes/capture/compacted/source_in_run",
+    };
+    StoreModules::of(plan).normals_alone(ShaderSpec::new("passes/capture/compacted/gather").with(source))
 }
 
 /// Geometry pass: counts the fragments of every pixel into `pixel_counts`, which must be zero.

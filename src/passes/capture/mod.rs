@@ -4,6 +4,7 @@ pub mod bucketed_k_buffer;
 pub mod buckets;
 pub mod cases;
 pub mod compacted;
+pub mod linked_list;
 pub mod sort;
 
 use serde::Serialize;
@@ -14,7 +15,7 @@ use crate::settings::{Axis, Effect, Knob};
 pub const AXES: &[Axis] = &[Axis {
     name: "capture",
     knob: Knob::Setting("capture.kind"),
-    values: &["compacted", "bucketed_k_buffer"],
+    values: &["compacted", "linked_list", "bucketed_k_buffer"],
     matters_if: &[],
     effect: Effect::Accuracy { exact: "compacted" },
 }];

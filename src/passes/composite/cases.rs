@@ -21,8 +21,8 @@ pub const CASES: &[HardCase] = &[
         ours: Method::of("32-bit floats", FAINT),
         contrast: Some(Printed(Method::of("8-bit sums", FAINT).changed(
             "passes/composite/blend",
-            "        transmitted *= 1.0 - alpha;\n",
-            "        transmitted *= 1.0 - alpha;\n        color = round(color * 255.0) / 255.0;\n",
+            "        transmitted *= transmission(base + layer, alpha);\n",
+            "        transmitted *= transmission(base + layer, alpha);\n        color = round(color * 255.0) / 255.0;\n",
         ))),
         measure: Measure::BlendError,
         bound: 0.001,

@@ -36,7 +36,11 @@ pub fn blend_spec(plan: &FramePlan) -> ShaderSpec {
         _ => "passes/composite/tail_none",
     };
     let modules = StoreModules::of(plan);
-    let spec = modules.layout(ShaderSpec::new("passes/composite/blend").with(tail));
+    let transmission = match plan.illustration {
+        Some(i) if i.printed_transmittance => "passes/composite/transmits_base",
+        _ => "passes/composite/transmits_rest",
+    };
+    let spec = modules.layout(ShaderSpec::new("passes/composite/blend").with(tail).with(transmission));
     if !plan.faded {
         return spec.with("passes/composite/layers_alike");
     }

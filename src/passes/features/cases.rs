@@ -57,8 +57,8 @@ pub const CASES: &[HardCase] = &[
         ours: PLAIN,
         contrast: Some(Planted(Method::of("depth in the scene's range", "").changed(
             "passes/features/links_by_buckets",
-            "(x * x + y * y + z * z) + dz * dz",
-            "(x * x + y * y + z * z) + dz * dz * frame.depth_scale",
+            "depth_measures(dz, dz_back)",
+            "depth_measures(dz, dz_back) * frame.depth_scale",
         ))),
         measure: Measure::LinksUnlike(Builtin("builtin:hard/soup?seed=71&parts=3&triangles=30&far=1000")),
         bound: 0.0,
@@ -234,5 +234,38 @@ pub const CASES: &[HardCase] = &[
         ))),
         measure: Measure::CurvaturePeak,
         bound: 1.5,
+    },
+    HardCase {
+        name: "t13-one-way-links",
+        trap: "T13",
+        why: "The illustration buffer's measure as printed keeps the sign of a difference of depth and takes one fragment's slope: \
+              the candidate that lies deepest wins, and a neighbour is linked elsewhere or nowhere. Diffusion over such links \
+              drifts. The greater of both absolute differences makes every link mutual.",
+        scene: Builtin("builtin:hard/soup?seed=71&parts=3&triangles=30"),
+        camera: CaseCamera::CORNER,
+        size: [64, 64],
+        ours: Method::of("mutual", "features.depth_term=continuity"),
+        contrast: Some(Printed(Method::of("signed", "features.depth_term=continuity_printed"))),
+        measure: Measure::LinksOneWay,
+        bound: 0.0,
+    },
+    HardCase {
+        name: "t18-thin-slanted-walls",
+        trap: "T18",
+        why: "Layers of one part close behind each other, seen at a slant: depth changes by more than their distance from pixel to \
+              pixel, and only the slope tells them apart. Without it surfaces are linked to the layer in front of them.",
+        scene: Builtin("builtin:hard/close-sheets?gap=2e-3"),
+        camera: CaseCamera::FRONT_PARALLEL,
+        size: [64, 64],
+        ours: Method::of("continuity", "features.depth_term=continuity"),
+        contrast: Some(Planted(
+            Method::of("own depth", "features.depth_term=continuity features.neighbours=brute_force").changed(
+                "passes/features/measure_continuity",
+                "return max(abs(difference), abs(back));",
+                "return abs(abs(difference) - 0.02);",
+            ),
+        )),
+        measure: Measure::LinksWrong,
+        bound: 0.0,
     },
 ];

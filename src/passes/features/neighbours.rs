@@ -10,6 +10,10 @@
 //! - `Slope`, ours and the default: the difference to the depth at which the layer's tangent plane crosses the neighbouring
 //!   pixel (T18), in heights of a pixel there. Along a surface that is right to a small part of a pixel, however thin the wall.
 //!   Neither the unit of the file nor other parts enter (T7).
+//! - `Continuity`, the illustration buffer's (Carnecky 2013, equations 1 to 3): the tangent plane as well, in radii of the part,
+//!   the difference itself instead of its square, and of the two layers' differences the larger, so that ε is the same both
+//!   ways and the best pair of two pixels is always linked (T13). As printed, with a sign and one layer's slope, most links
+//!   go one way: `ContinuityPrinted` is kept for comparison.
 //!
 //! A candidate that does not see the layer as its own candidate is no neighbour (reverse check). *Missing* means the surface
 //! ends; *unknown* means nothing can be said: beyond the image, in a pixel that lost layers, or where the surface would go on
@@ -40,7 +44,7 @@ pub const AXES: &[Axis] = &[
     Axis {
         name: "depth-term",
         knob: Knob::Setting("features.depth_term"),
-        values: &["slope", "printed"],
+        values: &["slope", "continuity", "printed"],
         matters_if: &[WANTED],
         effect: Effect::Accuracy { exact: "slope" },
     },
@@ -55,11 +59,27 @@ pub const AXES: &[Axis] = &[
 
 fn search_spec(plan: &FramePlan, features: &Features, root: &'static str) -> ShaderSpec {
     let modules = StoreModules::of(plan);
-    let term = match features.depth_term {
-        DepthTerm::Printed => "passes/features/expected_depth_own",
-        DepthTerm::Slope => "passes/features/expected_depth_slope",
+    let [term, unit, measure] = match features.depth_term {
+        DepthTerm::Printed => {
+            ["passes/features/expected_depth_own", "passes/features/depth_unit_part", "passes/features/measure_one_way"]
+        }
+        DepthTerm::Slope => [
+            "passes/features/expected_depth_slope",
+            "passes/features/depth_unit_pixel",
+            "passes/features/measure_one_way",
+        ],
+        DepthTerm::Continuity => [
+            "passes/features/expected_depth_slope",
+            "passes/features/depth_unit_part",
+            "passes/features/measure_continuity",
+        ],
+        DepthTerm::ContinuityPrinted => [
+            "passes/features/expected_depth_slope",
+            "passes/features/depth_unit_part",
+            "passes/features/measure_continuity_printed",
+        ],
     };
-    modules.normals(modules.keys(modules.layout(ShaderSpec::new(root).with(term))))
+    modules.normals(modules.keys(modules.layout(ShaderSpec::new(root).with(term).with(unit).with(measure))))
 }
 
 /// The shader of [`Pass::NeighbourCandidates`], by brute force.
@@ -71,6 +91,9 @@ pub fn candidates_spec(plan: &FramePlan, features: &Features) -> ShaderSpec {
 pub fn links_spec(plan: &FramePlan, features: &Features) -> ShaderSpec {
     match features.search {
         NeighbourSearch::Buckets => search_spec(plan, features, "passes/features/links_by_buckets"),
+        NeighbourSearch::BruteForce if features.depth_term == DepthTerm::ContinuityPrinted => {
+            search_spec(plan, features, "passes/features/check_printed")
+        }
         NeighbourSearch::BruteForce => StoreModules::of(plan).layout(ShaderSpec::new("passes/features/reverse_check")),
     }
 }
@@ -119,7 +142,11 @@ fn search_uncut(context: &mut Context<'_>, features: &Features) -> Result<(), Gp
     }
     let spec = links_spec(context.plan, features);
     let Some(open) = open_spec(context.plan, features) else {
-        return context.per_pixel(Pass::NeighbourLinks, &spec, "main");
+        // The printed check goes through the pixel's own list for every layer.
+        return match features.depth_term {
+            DepthTerm::ContinuityPrinted => context.per_chunk(Pass::NeighbourLinks, &spec, "main"),
+            _ => context.per_pixel(Pass::NeighbourLinks, &spec, "main"),
+        };
     };
     let count = context.resources.require(Pass::NeighbourLinks.name(), "open_count")?;
     context.recorder.encoder.clear_buffer(count, 0, None);

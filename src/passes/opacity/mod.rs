@@ -1,14 +1,22 @@
-//! Stage 3, opacity: transfer functions over curvature and depth (Murray 2016, section 5.2).
+//! Stage 3, opacity: each model a pointwise operator over the lit layers ([`super::operators`]).
+//!
+//! Transfer functions over curvature and depth (Murray 2016, section 5.2).
 //!
 //! The colour function over κ changes the lit colour, the opacity function over (depth, |κ|) gives opacity; depth is
 //! normalized over the scene's bounding sphere. Both are tables that the GPU reads, so changing a function compiles nothing.
 //! Functions that do not vary with κ need no curvature, and constant ones do not even need this pass.
+//!
+//! The models that illustrative transparency is compared with (Carnecky 2013): `Adaptive` (equation 5), which gives all layers of
+//! a pixel together the same opacity everywhere; `AngleBased` (Hummel 2010), from the angle between normal and sight line;
+//! `NormalVariation` (Born 2010), from how fast the normal turns across the image's shorter side, between real neighbours
+//! instead of by screen derivatives. All multiply the material's own opacity.
 
-use crate::gpu::{Gpu, GpuError, ShaderSpec};
-use crate::passes::store::StoreModules;
-use crate::passes::{Context, TransferParameters};
+use crate::gpu::{Gpu, GpuError};
+use crate::passes::operators::{self, Operator};
+use crate::passes::{Context, ModelParameters, TransferParameters};
 use crate::plan::{FramePlan, Opacity, Pass};
 use crate::scene::hard_case::{CaseCamera, Contrast, HardCase, Measure, Method, Source};
+use crate::settings::{OpacityModel, OpacitySettings};
 use crate::transfer::{ColorMode, TransferFunction};
 
 /// The hard cases of opacity.
@@ -66,11 +74,39 @@ pub fn looks(plan: &FramePlan) -> &'static str {
     if plan.faded { "passes/opacity/looks_by_part" } else { "passes/opacity/looks_none" }
 }
 
-/// The shader of [`stylize`].
-pub fn spec(plan: &FramePlan) -> ShaderSpec {
-    let modules = StoreModules::of(plan);
-    let root = if plan.opacity == Opacity::Depth { "passes/opacity/depth_only" } else { "passes/opacity/curvature" };
-    modules.keys(modules.layout(ShaderSpec::new(root).with("store/shape_column")))
+/// The uniform of the models without transfer functions, for an image of this size.
+pub fn model_parameters(settings: &OpacitySettings, size: [u32; 2]) -> ModelParameters {
+    let (low, high, scale) = match settings.base_model() {
+        OpacityModel::NormalVariation => {
+            let s = &settings.variation;
+            (s.low, s.high, s.scale * f64::from(size[0].min(size[1])))
+        }
+        _ => (settings.angle.low, settings.angle.high, 0.0),
+    };
+    ModelParameters { share: settings.adaptive as f32, low: low as f32, high: high as f32, scale: scale as f32 }
+}
+
+/// What the tail behind a k-buffer's layers counts with: it has no neighbours and is taken as flat and facing (T10).
+pub fn tail_opacity(opacity: Opacity, settings: &OpacitySettings, k: u32) -> f64 {
+    match opacity {
+        Opacity::Constant { alpha } => alpha,
+        Opacity::Depth | Opacity::Curvature => 1.0,
+        Opacity::Adaptive { share } => 1.0 - (1.0 - share).powf(1.0 / f64::from(k.max(1))),
+        Opacity::AngleBased => settings.angle.low,
+        Opacity::NormalVariation => settings.variation.low,
+    }
+}
+
+/// The operator of [`stylize`]; constant opacity needs none.
+pub fn operator(opacity: Opacity) -> Option<Operator> {
+    match opacity {
+        Opacity::Constant { .. } => None,
+        Opacity::Depth => Some(Operator::pointwise("passes/opacity/depth_only")),
+        Opacity::Curvature => Some(Operator::pointwise("passes/opacity/curvature")),
+        Opacity::Adaptive { .. } => Some(Operator::pointwise("passes/opacity/adaptive")),
+        Opacity::AngleBased => Some(Operator::pointwise("passes/opacity/angle_based")),
+        Opacity::NormalVariation => Some(Operator::pointwise("passes/opacity/normal_variation")),
+    }
 }
 
 /// Colour and opacity of every layer.
@@ -78,5 +114,8 @@ pub fn spec(plan: &FramePlan) -> ShaderSpec {
 /// # Errors
 /// [`GpuError`] of the device.
 pub fn stylize(context: &mut Context<'_>) -> Result<(), GpuError> {
-    context.per_pixel(Pass::Stylize, &spec(context.plan), "main")
+    match operator(context.plan.opacity) {
+        Some(operator) => operators::run(context, Pass::Stylize, &operator, 0),
+        None => Ok(()),
+    }
 }

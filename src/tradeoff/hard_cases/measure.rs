@@ -26,7 +26,7 @@ pub(super) struct Stand<'a> {
     pub(super) case: &'a HardCase,
     method: &'a Method,
     pub(super) settings: Settings,
-    scene: Scene,
+    pub(super) scene: Scene,
     /// What cuts it.
     sections: Vec<Section>,
     pub(super) effort: Effort,
@@ -43,7 +43,7 @@ fn percentile(values: &mut [f64], p: f64) -> f64 {
     if values.is_empty() { f64::NAN } else { values[((values.len() - 1) as f64 * p) as usize] }
 }
 
-fn share(wrong: usize, samples: usize) -> Figure {
+pub(super) fn share(wrong: usize, samples: usize) -> Figure {
     Figure { value: percent(wrong, samples), samples, ambiguous: 0 }
 }
 
@@ -99,6 +99,10 @@ impl<'a> Stand<'a> {
             Measure::UnlikeExact => self.unlike_exact(),
             Measure::OrderDependence(orders) => self.order_dependence(orders),
             Measure::PictureUnlike(twin) => self.picture_unlike(&twin),
+            Measure::LinksOneWay => self.links_one_way(),
+            Measure::FieldError => self.field_error(),
+            Measure::FieldOpacityError => self.field_opacity_error(),
+            Measure::Halos => self.halos(),
             Measure::RandomScenes => random::scenes(self),
         }
     }
@@ -126,13 +130,13 @@ impl<'a> Stand<'a> {
         Ok(shot)
     }
 
-    fn shot(&mut self) -> Result<Shot, CaseError> {
+    pub(super) fn shot(&mut self) -> Result<Shot, CaseError> {
         let (scene, settings) = (self.scene.clone(), self.settings.clone());
         self.shoot(&scene, &self.camera(&scene), &settings)
     }
 
     /// The same by shaders without a change.
-    fn unchanged(&mut self, scene: &Scene, settings: &Settings) -> Result<Shot, CaseError> {
+    pub(super) fn unchanged(&mut self, scene: &Scene, settings: &Settings) -> Result<Shot, CaseError> {
         let replaced = match &self.method.shader {
             Some(change) => Some((change.module, super::changed_module(change)?)),
             None => None,
@@ -186,7 +190,7 @@ impl<'a> Stand<'a> {
         let shot = self.shot()?;
         let k = match shot.frame.report.plan.capture {
             Capture::BucketedKBuffer { k, .. } => k as usize,
-            Capture::Compacted | Capture::None => usize::MAX,
+            Capture::Compacted | Capture::LinkedList { .. } | Capture::None => usize::MAX,
         };
         let camera = self.camera(&self.scene);
         let how = (self.settings.capture.normals, TURN);

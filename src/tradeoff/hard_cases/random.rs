@@ -56,7 +56,7 @@ fn compared(scene: &Scene, camera: &Camera, shot: &Shot, settings: &crate::setti
     let size = [layers.width, layers.height];
     let k = match shot.frame.report.plan.capture {
         Capture::BucketedKBuffer { k, .. } => k as usize,
-        Capture::Compacted | Capture::None => usize::MAX,
+        Capture::Compacted | Capture::LinkedList { .. } | Capture::None => usize::MAX,
     };
     let exact = rasterize(scene, camera, size, DVec2::ZERO);
     let mut all = compare::capture(scene, camera, &exact, layers, k, (settings.capture.normals, TURN));

@@ -3,7 +3,7 @@
 use super::CaseError;
 use crate::gpu::shader_files;
 use crate::math::Camera;
-use crate::plan::{Capture, Opacity};
+use crate::plan::Capture;
 use crate::render::{Frame, GpuScene, Renderer, StoreReadback};
 use crate::scene::hard_case::{ShaderChange, Source};
 use crate::scene::{Scene, builtin};
@@ -87,10 +87,7 @@ impl Shot {
 
     /// Colour and opacity of every layer as they are blended.
     pub fn colors(&self) -> Vec<[f64; 4]> {
-        let constant = match self.frame.report.plan.opacity {
-            Opacity::Constant { alpha } => alpha,
-            _ => 1.0,
-        };
+        let constant = self.frame.report.plan.blend_opacity();
         let of_layer = |c: &[f32; 4]| {
             let [r, g, b, a] = c.map(f64::from);
             [r, g, b, constant * a]

@@ -18,7 +18,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let base = layer_base(pixel);
     let count = layer_count(pixel);
     for (var i = 0u; i < count; i++) {
-        let source = base + sources[base + i];
+        let source = source_of(base, sources[base + i]);
         let surface = arrival_surfaces[source];
         colors[base + i] = arrival_colors[source];
         place_normal(base + i, surface);

@@ -194,6 +194,7 @@ fn the_status_names_the_kind_of_picture() {
         view: (now.camera, [4, 3]),
         look: (now.settings.clone(), now.arrangement.clone()),
         size: [4, 3],
+        linear: None,
         milliseconds: 1234.4,
     };
     window.state_mut().order = 7;

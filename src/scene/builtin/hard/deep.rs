@@ -85,6 +85,18 @@ pub(super) fn stack(p: &mut Parameters) -> Result<Scene, BuiltinError> {
     Ok(scene)
 }
 
+/// The same plane twice, as parts of different triangles: which lies in front changes from pixel to pixel.
+pub(super) fn contact(p: &mut Parameters) -> Result<Scene, BuiltinError> {
+    p.none()?;
+    let sheet = |columns: u32, rows: u32| {
+        samples::grid(columns, rows, |u, v| {
+            let (x, y) = (2.0 * u - 1.0, 2.0 * v - 1.0);
+            (DVec3::new(x, y, 0.7 * x + 0.31 * y), DVec3::new(-0.7, -0.31, 1.0).normalize())
+        })
+    };
+    Ok(parts(vec![sheet(7, 5), sheet(3, 11)]))
+}
+
 /// Eight parts whose home is the last of eight slots, so that every probe wraps around; and a ninth, which looks for itself
 /// in full tables that do not have it.
 pub(super) fn full_buckets(p: &mut Parameters) -> Result<Scene, BuiltinError> {

@@ -37,6 +37,7 @@ const SCENES: &[Hard] = &[
         "squares behind each other, parts in turn (layers=20, gap=0.1, parts=4, alike=0) (T5)",
         deep::stack,
     ),
+    hard("hard/contact", "two slanted sheets in one place, of other triangles each (T19)", deep::contact),
     hard(
         "hard/full-buckets",
         "eight parts whose bucket has one home, and a ninth beside them (T6)",

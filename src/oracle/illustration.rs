@@ -1,0 +1,135 @@
+//! Illustrative transparency (Carnecky 2013, section 5): the fields α, β, γ of every fragment, their boundary conditions,
+//! diffusion, profiles, and the opacity that they make.
+//!
+//! The paper's forms that fail are here too, by [`PrintedForm`], so that how they fail can be shown in numbers: the Laplacian
+//! with λ = 1 (T12), max-propagation that overwrites what is fixed (T16), bare index steps (T19).
+//!
+//! # Choices
+//! - Missing neighbours make silhouettes, unknown ones do not (T10); through neither anything flows.
+//! - A fragment that ends and lies under another end is a silhouette: the first of the paper's rules wins.
+//! - α has no fixed fragments: no rule of the paper makes one.
+//! - A power with p = 0 is 0 at u = 0 and 1 elsewhere, its limit.
+
+use super::neighbours::{Direction, Link};
+use super::store::StoreData;
+use crate::settings::{Diffusion, IllustrativeSettings, PrintedForm, Profile};
+
+/// The fields of all fragments.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Fields {
+    /// α, β, γ.
+    pub values: Vec<[f64; 3]>,
+    /// Whether β and γ are fixed.
+    pub fixed: Vec<[bool; 2]>,
+}
+
+/// Who is whose neighbour: the fragment in each direction, if there is one.
+pub fn adjacency(store: &StoreData, links: &[[Link; 4]]) -> Vec<[Option<usize>; 4]> {
+    let (width, height) = (store.width.max(1) as usize, store.height as usize);
+    let pixel_of = store.pixel_of_fragment();
+    let neighbour = |i: usize, d: Direction| match links[i][d as usize] {
+        Link::To(layer) => d.step(pixel_of[i], width, height).map(|q| store.offsets[q] + layer as usize),
+        Link::Missing | Link::Unknown => None,
+    };
+    (0..store.len()).map(|i| Direction::ALL.map(|d| neighbour(i, d))).collect()
+}
+
+/// Sections 5.2 and 5.3: α from `base`, silhouettes and halos from the links. With `bare`, every step of the index counts.
+pub fn boundary(store: &StoreData, links: &[[Link; 4]], base: &[f64], bare: bool) -> Fields {
+    let (width, height) = (store.width.max(1) as usize, store.height as usize);
+    let mut fields = Fields::default();
+    // Whether something in front of layer `index` of a pixel ends in a direction.
+    let ends_in_front = |pixel: usize, index: usize, d: Direction| {
+        let first = store.offsets[pixel];
+        (first..first + index).any(|f| links[f][d as usize] == Link::Missing)
+    };
+    for (i, &pixel) in store.pixel_of_fragment().iter().enumerate() {
+        let index = i - store.offsets[pixel];
+        let ends = links[i].contains(&Link::Missing);
+        let (mut under, mut beside) = (false, false);
+        for d in Direction::ALL {
+            let (Link::To(layer), Some(q)) = (links[i][d as usize], d.step(pixel, width, height)) else { continue };
+            let other = layer as usize;
+            under |= index > other && (bare || ends_in_front(pixel, index, d));
+            beside |= index < other && (bare || ends_in_front(q, other, d.opposite()));
+        }
+        let one = |is: bool| f64::from(u8::from(is));
+        fields.values.push([base[i].clamp(0.0, 1.0), one(ends), one(beside)]);
+        fields.fixed.push([ends || under, beside]);
+    }
+    fields
+}
+
+/// Step number `step` of diffusion, from 0.
+pub fn step(around: &[[Option<usize>; 4]], fields: &Fields, settings: &IllustrativeSettings, step: u32) -> Fields {
+    let s = settings;
+    let how =
+        [(s.alpha.diffusion, s.alpha.lambda), (s.beta.diffusion, s.beta.lambda), (s.gamma.diffusion, s.gamma.lambda)];
+    let heats = step < s.steps().heat;
+    let next = |i: usize, c: usize| {
+        let u = fields.values[i][c];
+        let is_fixed = c > 0 && fields.fixed[i][c - 1];
+        let neighbours = || around[i].iter().flatten().map(|&j| fields.values[j][c]);
+        let (diffusion, lambda) = how[c];
+        match diffusion {
+            Diffusion::Heat if heats && !is_fixed => {
+                let rate = if s.printed == PrintedForm::Laplacian { 1.0 } else { lambda / 4.0 };
+                u + rate * neighbours().map(|n| n - u).sum::<f64>()
+            }
+            Diffusion::Max if !is_fixed || s.printed == PrintedForm::Propagation => {
+                u.max(neighbours().fold(f64::NEG_INFINITY, f64::max) - lambda)
+            }
+            _ => u,
+        }
+    };
+    Fields { values: (0..around.len()).map(|i| [0, 1, 2].map(|c| next(i, c))).collect(), fixed: fields.fixed.clone() }
+}
+
+/// All steps that the settings ask for, none left out.
+pub fn diffuse(around: &[[Option<usize>; 4]], fields: &Fields, settings: &IllustrativeSettings) -> Fields {
+    (0..settings.steps().most).fold(fields.clone(), |fields, k| step(around, &fields, settings, k))
+}
+
+/// Equations 10 and 11.
+pub fn profiled(profile: Profile, u: f64, p: f64) -> f64 {
+    let u = u.clamp(0.0, 1.0);
+    match profile {
+        Profile::None => u,
+        Profile::Power if u <= 0.0 => 0.0,
+        Profile::Power => u.powf(p),
+        Profile::Bell => {
+            let v = (1.0 - u) * (1.0 - u);
+            if p < 1e-9 { 1.0 - v } else { (-p * v).exp() * (-p * (1.0 - v)).exp_m1() / (-p).exp_m1() }
+        }
+    }
+}
+
+/// The opacity α̂ of every fragment (Algorithm 3, line 4).
+pub fn opacities(fields: &Fields, settings: &IllustrativeSettings) -> Vec<f64> {
+    let (b, g) = (&settings.beta, &settings.gamma);
+    let opacity = |&[alpha, beta, gamma]: &[f64; 3]| {
+        let (beta, gamma) = (profiled(b.profile, beta, b.p), profiled(g.profile, gamma, g.p));
+        ((1.0 - gamma) * (alpha + (1.0 - alpha) * beta)).clamp(0.0, 1.0)
+    };
+    fields.values.iter().map(opacity).collect()
+}
+
+/// Shares of a pixel's fragments in its colour, and what is left for the background. `passes` is what each lets through: its
+/// own 1 − α̂, or 1 − α as printed in line 6 (T14).
+pub fn shares(opacities: &[f64], passes: &[f64]) -> (Vec<f64>, f64) {
+    let mut transmitted = 1.0;
+    let shares = opacities
+        .iter()
+        .zip(passes)
+        .map(|(opacity, passes)| {
+            let share = transmitted * opacity;
+            transmitted *= passes;
+            share
+        })
+        .collect();
+    (shares, transmitted)
+}
+
+#[cfg(test)]
+#[path = "illustration_tests.rs"]
+mod tests;

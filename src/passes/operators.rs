@@ -1,0 +1,123 @@
+//! Operators over the store, as the illustration buffer has them (Carnecky 2013, section 4.5): a new one is a function in WGSL and
+//! an [`Operator`].
+//!
+//! - **Pointwise**: `fn operate(at: Layer, color: vec4<f32>) -> vec4<f32>` gives a layer's lit colour and opacity anew, in place.
+//!   It may read the layers of its pixel (`at.count` of them from `at.base` on), features, and neighbours through
+//!   `passes/operators/around`, but no other layer's lit colour.
+//! - **Local**: `fn operate(at: Layer, own: vec4<f32>, around: Around, beside: Beside) -> vec4<f32>` gives a layer's fields
+//!   (four numbers that mean what the operator says) from its own and its neighbours'. Fields are read from `field_in`
+//!   (`field_of(slot)`) and written to `field_out`, the two columns changing places (ping-pong), so the order of layers does
+//!   not matter; the first operator of a frame reads none. It can be [repeated](repeat): `fn has_changed(own, next) -> bool`
+//!   says whether a step was worth it, and the GPU stops where none was.
+//!
+//! Which modules give access to the store is added here, so that an operator runs over every capture. A plan whose fields come
+//! from n rows away captures and lights n rows more above and below a band ([`FramePlan::lit_apron`]).
+
+use crate::gpu::{GpuError, Resources, ShaderSpec};
+use crate::passes::Context;
+use crate::passes::store::StoreModules;
+use crate::plan::{FramePlan, Pass};
+
+/// What an operator takes and gives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Colour and opacity of a layer, in place.
+    Pointwise,
+    /// Fields of a layer, from nothing into the first column.
+    First,
+    /// Fields of a layer, from one column into the other.
+    Local,
+}
+
+/// An operator.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Operator {
+    /// What it takes and gives.
+    pub kind: Kind,
+    /// The shader module that declares `operate`.
+    pub module: &'static str,
+}
+
+impl Operator {
+    /// A pointwise operator.
+    pub const fn pointwise(module: &'static str) -> Operator {
+        Operator { kind: Kind::Pointwise, module }
+    }
+
+    /// A local operator that makes the first fields.
+    pub const fn first(module: &'static str) -> Operator {
+        Operator { kind: Kind::First, module }
+    }
+
+    /// A local operator.
+    pub const fn local(module: &'static str) -> Operator {
+        Operator { kind: Kind::Local, module }
+    }
+
+    /// The shader.
+    pub fn spec(&self, plan: &FramePlan) -> ShaderSpec {
+        let modules = StoreModules::of(plan);
+        let root = match self.kind {
+            Kind::Pointwise => ShaderSpec::new("passes/operators/pointwise"),
+            Kind::First => ShaderSpec::new("passes/operators/local").with("passes/operators/field_none"),
+            Kind::Local => ShaderSpec::new("passes/operators/local").with("passes/operators/field_before"),
+        };
+        modules.normals(modules.keys(modules.layout(root.with(self.module))))
+    }
+}
+
+/// The shader that decides before each step of [`repeat`] whether it is taken.
+pub fn next_step_spec() -> ShaderSpec {
+    ShaderSpec::new("passes/operators/next_step")
+}
+
+/// The columns of the fields: the one that is written first, and the other.
+const COLUMNS: [&str; 2] = ["fields_even", "fields_odd"];
+
+/// The column that holds the fields after so many steps.
+pub fn column_after(steps: u32) -> &'static str {
+    COLUMNS[steps as usize % 2]
+}
+
+/// The resources in which fields are read from the column of step `step` and written to the next one's.
+fn columns_of(resources: &Resources, step: u32) -> Resources {
+    let mut turned = resources.clone();
+    turned.alias("field_in", column_after(step));
+    turned.alias("field_out", column_after(step + 1));
+    turned
+}
+
+/// Runs an operator once: a pointwise one over the fields after `step` steps, if it reads any; a local one from them to the
+/// next.
+///
+/// # Errors
+/// [`GpuError`] of the device.
+pub fn run(context: &mut Context<'_>, pass: Pass, operator: &Operator, step: u32) -> Result<(), GpuError> {
+    let kernel = context.shaders.kernel(&operator.spec(context.plan), "main")?;
+    let groups = [context.width().div_ceil(16), context.rows().div_ceil(16), 1];
+    let mut resources = columns_of(context.resources, step);
+    if operator.kind == Kind::First {
+        resources.alias("field_out", column_after(0));
+    }
+    context.recorder.compute(pass, &kernel, &context.frame, &resources, groups)
+}
+
+/// Repeats a local operator `most` times, or until a step changes nothing. The fields are then in `column_after(most)`,
+/// however many steps were taken.
+///
+/// # Errors
+/// [`GpuError`] of the device.
+pub fn repeat(context: &mut Context<'_>, pass: Pass, operator: &Operator, most: u32) -> Result<(), GpuError> {
+    let steps = context.resources.require(pass.name(), "steps")?;
+    context.recorder.encoder.clear_buffer(steps, 0, None);
+    let next = context.shaders.kernel(&next_step_spec(), "main")?;
+    let kernel = context.shaders.kernel(&operator.spec(context.plan), "main")?;
+    let arguments = context.resources.require(pass.name(), "step_arguments")?.clone();
+    let both = [columns_of(context.resources, 0), columns_of(context.resources, 1)];
+    for step in 0..most {
+        context.recorder.compute(pass, &next, &context.frame, context.resources, [1, 1, 1])?;
+        let resources = &both[step as usize % 2];
+        context.recorder.compute_indirect(pass, &kernel, &context.frame, resources, (&arguments, 0))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,182 @@
+//! Settings of the opacity models that come from the illustration buffer (Carnecky 2013, section 5).
+
+use serde::{Deserialize, Serialize};
+
+use super::declare::{choice, settings};
+use super::{Declaration, OpacityModel, Range};
+
+choice! {
+    /// The opacity with which illustrative transparency begins.
+    pub enum BaseOpacity {
+        /// As under `adaptive`. The default.
+        #[default]
+        Adaptive = "adaptive",
+        /// As under `constant`.
+        Constant = "constant",
+        /// As under `angle_based`.
+        AngleBased = "angle_based",
+        /// As under `normal_variation`.
+        NormalVariation = "normal_variation",
+        /// As under `curvature`.
+        Curvature = "curvature",
+    }
+}
+
+impl BaseOpacity {
+    /// The model that gives it.
+    pub fn model(self) -> OpacityModel {
+        match self {
+            BaseOpacity::Adaptive => OpacityModel::Adaptive,
+            BaseOpacity::Constant => OpacityModel::Constant,
+            BaseOpacity::AngleBased => OpacityModel::AngleBased,
+            BaseOpacity::NormalVariation => OpacityModel::NormalVariation,
+            BaseOpacity::Curvature => OpacityModel::Curvature,
+        }
+    }
+}
+
+choice! {
+    /// How a field spreads along the surface.
+    pub enum Diffusion {
+        /// Heat (Carnecky 2013, equation 8), over the neighbours that there are (T12).
+        #[default]
+        Heat = "heat",
+        /// The greatest of the neighbours, less λ (equation 9), until nothing changes (T16).
+        Max = "max",
+        /// Not at all.
+        None = "none",
+    }
+}
+
+choice! {
+    /// What is made of a field after it has spread.
+    pub enum Profile {
+        /// Nothing: it falls off evenly.
+        #[default]
+        None = "none",
+        /// A bell (Carnecky 2013, equation 10).
+        Bell = "bell",
+        /// A power (equation 11).
+        Power = "power",
+    }
+}
+
+choice! {
+    /// Which of the paper's forms is followed to the letter. For comparison: each of them fails.
+    pub enum PrintedForm {
+        /// None.
+        #[default]
+        None = "none",
+        /// The 5-point Laplacian with λ = 1, which explodes (T12).
+        Laplacian = "laplacian",
+        /// Algorithm 3, line 6: what passes a layer is 1 − α (T14).
+        Transmittance = "transmittance",
+        /// Equation 9 without its flag: what is fixed is overwritten (T16).
+        Propagation = "propagation",
+        /// Every step of the layer index counts, also where faces touch (T19).
+        IndexSteps = "index_steps",
+    }
+}
+
+settings! {
+    /// Opacity by the angle between normal and sight line.
+    pub struct AngleSettings {
+        /// Opacity where a surface faces the viewer.
+        pub low: f64 = 0.1, Range::Real(0.0, 1.0);
+        /// Opacity where it is seen edge-on.
+        pub high: f64 = 0.9, Range::Real(0.0, 1.0);
+    }
+}
+
+settings! {
+    /// Opacity by how fast the normal turns, between real neighbours.
+    pub struct VariationSettings {
+        /// Opacity where a surface is flat.
+        pub low: f64 = 0.1, Range::Real(0.0, 1.0);
+        /// Opacity where its normal turns fast.
+        pub high: f64 = 0.95, Range::Real(0.0, 1.0);
+        /// Sensitivity: times the turn over the image's shorter side.
+        pub scale: f64 = 0.1, Range::Real(0.0, 100.0);
+    }
+}
+
+settings! {
+    /// The field α: base opacity, smoothed.
+    pub struct AlphaSettings {
+        /// How it spreads.
+        pub diffusion: Diffusion = Diffusion::Heat, Range::Choice(Diffusion::NAMES);
+        /// λ_α: how fast.
+        pub lambda: f64 = 0.9, Range::Real(0.01, 0.9);
+    }
+}
+
+settings! {
+    /// The field β: opaque at silhouettes.
+    pub struct BetaSettings {
+        /// How it spreads.
+        pub diffusion: Diffusion = Diffusion::Max, Range::Choice(Diffusion::NAMES);
+        /// λ_β: under `max`, one over its width in pixels.
+        pub lambda: f64 = 0.05, Range::Real(0.01, 0.9);
+        /// What is made of it then.
+        pub profile: Profile = Profile::Power, Range::Choice(Profile::NAMES);
+        /// The profile's parameter.
+        pub p: f64 = 2.0, Range::Real(0.0, 50.0);
+    }
+}
+
+settings! {
+    /// The field γ: clear behind silhouettes, the halo.
+    pub struct GammaSettings {
+        /// How it spreads.
+        pub diffusion: Diffusion = Diffusion::Max, Range::Choice(Diffusion::NAMES);
+        /// λ_γ: under `max`, one over the halo's width in pixels.
+        pub lambda: f64 = 0.2, Range::Real(0.01, 0.9);
+        /// What is made of it then.
+        pub profile: Profile = Profile::None, Range::Choice(Profile::NAMES);
+        /// The profile's parameter.
+        pub p: f64 = 1.0, Range::Real(0.0, 50.0);
+    }
+}
+
+settings! {
+    /// Illustrative transparency.
+    pub struct IllustrativeSettings {
+        /// The opacity with which it begins.
+        pub base: BaseOpacity = BaseOpacity::Adaptive, Range::Choice(BaseOpacity::NAMES);
+        /// Steps of fields that spread as heat.
+        pub iterations: u32 = 20, Range::Integer(0, 100);
+        /// Base opacity.
+        pub group alpha: AlphaSettings;
+        /// Silhouettes.
+        pub group beta: BetaSettings;
+        /// Halos.
+        pub group gamma: GammaSettings;
+        /// Whether fields that spread by `max` stop when nothing changes; the picture is the same.
+        pub early_stop: bool = true, Range::Switch;
+        /// Which of the paper's forms is followed to the letter, to see it fail.
+        pub printed: PrintedForm = PrintedForm::None, Range::Choice(PrintedForm::NAMES);
+    }
+}
+
+impl IllustrativeSettings {
+    /// Steps that all fields together need: those of heat, and those in which `max` reaches its end (T16).
+    pub fn steps(&self) -> Steps {
+        let fields = [
+            (self.alpha.diffusion, self.alpha.lambda),
+            (self.beta.diffusion, self.beta.lambda),
+            (self.gamma.diffusion, self.gamma.lambda),
+        ];
+        let heat = if fields.iter().any(|(d, _)| *d == Diffusion::Heat) { self.iterations } else { 0 };
+        let ends = fields.iter().filter(|(d, _)| *d == Diffusion::Max).map(|(_, lambda)| (1.0 / lambda).ceil() as u32);
+        Steps { heat, most: ends.fold(heat, u32::max) }
+    }
+}
+
+/// How often the fields of illustrative transparency take a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Steps {
+    /// Steps that are always taken.
+    pub heat: u32,
+    /// Most steps.
+    pub most: u32,
+}
