@@ -14,6 +14,7 @@
 //! | [`hand`] | the mouse on the picture; [`camera`] gestures, as functions |
 //! | [`picking`] | what becomes of layers under a pixel; [`measure`] distances between them |
 //! | [`editors`] | transfer functions under the hand; [`functions`] resolves them |
+//! | [`planes`] | section planes moved and tilted on the picture, as functions |
 //! | [`compare`] | two settings under a divider |
 //! | [`exports`] | pictures of any size and turntables into files |
 //! | [`loader`] | opening files; [`watch`] files that somebody edits |
@@ -34,6 +35,7 @@ pub mod measure;
 pub mod panels;
 pub mod picking;
 pub mod pictures;
+pub mod planes;
 pub mod shell;
 pub mod surface;
 pub mod viewport;

@@ -205,6 +205,13 @@ impl Cut {
         cap.map_or(part, |cap| cap.part)
     }
 
+    /// What the planner needs to know of the scene, arranged and cut.
+    pub fn stats(&self, scene: &Scene, arrangement: &Arrangement) -> SceneStats {
+        let mut stats = arrangement.stats(scene);
+        self.count_into(&mut stats);
+        stats
+    }
+
     /// Adds planes and caps to what the planner knows of the arranged scene.
     pub fn count_into(&self, stats: &mut SceneStats) {
         stats.section_planes = self.planes.len() as u64;
