@@ -66,6 +66,8 @@ pub struct State {
     pub chosen: usize,
     drag: Option<Gesture>,
     nudging: bool,
+    /// A plane that has just been tilted, and about what: its handle stays there until the plane changes.
+    tilted: Option<(usize, Section, DVec3)>,
 }
 
 impl State {
@@ -149,7 +151,8 @@ impl Scenery<'_> {
         let middle = planes::middle_of(&outline).unwrap_or_else(|| onto(self.bounds.center()));
         // What is dragged stays under the pointer, though the middle of the outline moves.
         let held = self.state.drag.filter(|d| d.index == index).map(|d| onto(d.anchor));
-        let (anchor, pull) = [held, Some(middle), Some(onto(self.focal_point))]
+        let tilted = self.state.tilted.filter(|(i, s, _)| (*i, s) == (index, section)).map(|(_, _, anchor)| anchor);
+        let (anchor, pull) = [held, tilted, Some(middle), Some(onto(self.focal_point))]
             .into_iter()
             .flatten()
             .find_map(|anchor| Some((anchor, Pull::new(&self.view, anchor, section.normal)?)))?;
@@ -240,8 +243,8 @@ pub fn show(ui: &Ui, picture: Rect, workspace: &mut Workspace) {
                 let from = ui.input(|i| i.pointer.press_origin()).unwrap_or(now);
                 let way = points(now - from) * pace(ui);
                 state.drag = Some(Gesture { what, index, start: section, anchor: place.anchor, pull: place.pull, way });
-                head.request_focus();
-            } else if response.clicked() {
+            }
+            if started || response.clicked() {
                 let focus = if what == What::Tilt { response } else { &head };
                 focus.request_focus();
             }
@@ -263,6 +266,7 @@ pub fn show(ui: &Ui, picture: Rect, workspace: &mut Workspace) {
             } else if !ui.input(|i| i.pointer.any_down()) {
                 document.end_gesture();
                 state.drag = None;
+                state.tilted = (drag.what == What::Tilt).then_some((index, moved, drag.anchor));
             }
         }
         for (what, response) in [(What::Pull, Some(&head)), (What::Tilt, knob.as_ref())] {
