@@ -10,8 +10,8 @@
 //! | | [`buckets`] | the fragments of one pixel, k | the paper's Z, B and data slots |
 //! | | [`store`] | layers | [`StoreData`], the neutral form that read-backs have too |
 //! | | [`cut`] | positions, links | what section planes cut away and leave unknown |
-//! | features | [`neighbours`] | store | four [`Link`]s a fragment |
-//! | | [`curvature`] | store, links | κ and the 2×2 operator |
+//! | features | [`neighbours()`] | store | four [`Link`]s a fragment |
+//! | | [`curvature()`] | store, links | κ and the 2×2 operator |
 //! | shading | [`shade`], [`lighting`] | store, lights | lit colour |
 //! | opacity | [`stylize`] | store, lit colour, κ, tables | colour and alpha |
 //! | composite | [`composite`] | store, colour and alpha | the image |
