@@ -24,6 +24,16 @@ struct Frame {
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 
+// Whether there is a pixel for an invocation: workgroups reach over the edges of a band.
+fn has_pixel(at: vec2<u32>) -> bool {
+    return at.x < frame.size.x && at.y < frame.end_row - frame.first_row;
+}
+
+// Number of a pixel in its band.
+fn pixel_at(at: vec2<u32>) -> u32 {
+    return at.y * frame.size.x + at.x;
+}
+
 const DEPTH_KEY_OF_ONE: u32 = 0x3F800000u;
 const EMPTY: u32 = 0xFFFFFFFFu;
 

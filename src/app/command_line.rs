@@ -1,8 +1,11 @@
 //! What is seen, as a command for a shell.
 //!
-//! Settings and camera only: an arrangement of parts, and transfer functions that are in no file, have no options and need a
-//! session file. The camera is written to the last digit, but angles go through degrees, so a session is what reproduces a
+//! Everything has an option but transfer functions that are in no file: for those a session is needed, or a file that they are
+//! exported to. Parts are named by path, or by their group where all of it is meant. The camera is written to the last digit,
+//! but angles go through degrees and a parallel view through the angle that shows as much, so a session is what reproduces a
 //! picture bit for bit.
+
+use std::collections::BTreeSet;
 
 use glam::DVec3;
 
@@ -10,8 +13,8 @@ use super::document::Document;
 use super::loader::{HARD_CASE, MADE_IN_MEMORY};
 use crate::math::views::VIEW_ANGLE;
 use crate::math::{Camera, Projection};
-use crate::scene::Arrangement;
-use crate::session::camera_in_file;
+use crate::scene::{Arrangement, PartStyle, Presence, Scene, Section};
+use crate::session::{PartNames, camera_in_file};
 use crate::settings::Settings;
 
 /// The command that renders what is seen in a picture of this size.
@@ -19,17 +22,25 @@ use crate::settings::Settings;
 /// # Errors
 /// A sentence where no options say it.
 pub fn of(document: &Document, size: [u32; 2]) -> Result<String, String> {
+    let words: Vec<String> = words(document, size)?.iter().map(|word| quoted(word)).collect();
+    Ok(words.join(" "))
+}
+
+/// The same as the words that the program gets, its own name first.
+///
+/// # Errors
+/// As [`of`].
+pub fn words(document: &Document, size: [u32; 2]) -> Result<Vec<String>, String> {
     let seen = &document.seen;
-    if seen.arrangement != Arrangement::default() {
-        return Err("Parts, sections and the exploded view have no options: save a session instead.".to_owned());
-    }
     if document.file.starts_with(HARD_CASE) {
         return Err(MADE_IN_MEMORY.to_owned());
     }
-    let mut words = vec!["pellucid".to_owned(), "render".to_owned(), quoted(&document.file)];
-    words.extend(["-o".to_owned(), "picture.png".to_owned()]);
-    words.push(format!("--size {}x{}", size[0], size[1]));
+    // A name must not be taken for an option.
+    let file = if document.file.starts_with('-') { format!("./{}", document.file) } else { document.file.clone() };
+    let mut words = ["pellucid", "render", &file, "-o", "picture.png"].map(str::to_owned).to_vec();
+    words.extend(["--size".to_owned(), format!("{}x{}", size[0], size[1])]);
     words.extend(camera_options(&camera_in_file(&seen.camera, &document.scene)));
+    words.extend(arrangement_options(&seen.arrangement, &document.scene));
     let defaults = Settings::default();
     for declaration in Settings::declarations() {
         let value = seen.settings.get(&declaration.path);
@@ -39,22 +50,113 @@ pub fn of(document: &Document, size: [u32; 2]) -> Result<String, String> {
         let text = match value {
             Some(toml::Value::String(text)) => text,
             Some(toml::Value::Table(_)) | None => {
-                return Err(format!("{} is in no file: save a session instead.", declaration.path));
+                return Err(
+                    "The transfer functions are in no file, and no option holds them: export them and use that file, \
+                            or save a session."
+                        .to_owned(),
+                );
             }
             Some(other) => other.to_string(),
         };
-        words.push(format!("--set {}", quoted(&format!("{}={text}", declaration.path))));
+        words.extend(["--set".to_owned(), format!("{}={text}", declaration.path)]);
     }
-    Ok(words.join(" "))
+    Ok(words)
+}
+
+/// How the parts are shown, as options.
+fn arrangement_options(arrangement: &Arrangement, scene: &Scene) -> Vec<String> {
+    let mut words = Vec::new();
+    let mut say = |option: &str, value: &str| words.push(format!("--{option}={value}"));
+    if !(arrangement.parts.is_empty() && arrangement.selected.is_empty()) {
+        let names = PartNames::new(scene);
+        let all = 0..scene.parts.len() as u32;
+        let having =
+            |presence| all.clone().filter(|&p| arrangement.look(p).presence == presence).collect::<BTreeSet<u32>>();
+        let [shown, ghosted, hidden] =
+            [Presence::Shown, Presence::Ghosted, Presence::Hidden].map(|p| names.said(&having(p)));
+        // Whichever is shorter. What is isolated must be something.
+        if shown.is_empty() || ghosted.len() <= shown.len() {
+            ghosted.iter().for_each(|name| say("ghost", name));
+        } else {
+            shown.iter().for_each(|name| say("isolate", name));
+        }
+        hidden.iter().for_each(|name| say("hide", name));
+        for (look, parts) in same_looks(arrangement) {
+            names.said(&parts).iter().for_each(|name| say("part", &format!("{name}:{look}")));
+        }
+        names.said(&arrangement.selected).iter().for_each(|name| say("select", name));
+    }
+    if arrangement.explode != 0.0 {
+        say("explode", &arrangement.explode.to_string());
+    }
+    let open = !arrangement.sections.is_empty() && arrangement.sections.iter().all(|s| !s.caps);
+    arrangement.sections.iter().for_each(|s| say("section", &plane(s, open)));
+    if open {
+        words.push("--no-caps".to_owned());
+    }
+    words
+}
+
+/// Parts by what `--part` says of them; those of which it says nothing are left out.
+fn same_looks(arrangement: &Arrangement) -> Vec<(String, BTreeSet<u32>)> {
+    let mut all: Vec<(String, BTreeSet<u32>)> = Vec::new();
+    for (&part, look) in &arrangement.parts {
+        let mut said = Vec::new();
+        if look.opacity != 1.0 {
+            said.push(format!("opacity={}", look.opacity));
+        }
+        if let Some(color) = look.color {
+            let bytes = color.map(|c| (c * 255.0).round() as u8);
+            // A byte holds less than a number.
+            said.push(if bytes.map(|b| f64::from(b) / 255.0) == color {
+                format!("color=#{:02x}{:02x}{:02x}", bytes[0], bytes[1], bytes[2])
+            } else {
+                format!("color={}/{}/{}", color[0], color[1], color[2])
+            });
+        }
+        if look.style == PartStyle::Solid {
+            said.push("style=solid".to_owned());
+        }
+        let said = said.join(",");
+        match all.iter_mut().find(|(known, _)| *known == said) {
+            _ if said.is_empty() => {}
+            Some((_, parts)) => {
+                parts.insert(part);
+            }
+            None => all.push((said, BTreeSet::from([part]))),
+        }
+    }
+    all
+}
+
+/// A plane as `--section` takes it; `open` if another option says that there are no caps.
+fn plane(section: &Section, open: bool) -> String {
+    let axes = [("x", DVec3::X), ("y", DVec3::Y), ("z", DVec3::Z)];
+    let along = axes.iter().find(|(_, axis)| *axis == section.normal);
+    let against = axes.iter().find(|(_, axis)| -*axis == section.normal);
+    let n = section.normal;
+    let mut text = match (along, against) {
+        (Some((axis, _)), _) => format!("{axis}={}", section.offset),
+        (_, Some((axis, _))) => format!("-{axis}={}", -section.offset),
+        _ => format!("{},{},{},{}", n.x, n.y, n.z, section.offset),
+    };
+    if !section.caps && !open {
+        text += ":open";
+    }
+    if !section.enabled {
+        text += ":off";
+    }
+    text
 }
 
 fn camera_options(camera: &Camera) -> Vec<String> {
     let point = |p: DVec3| format!("{},{},{}", p.x, p.y, p.z);
-    let mut words = vec![
-        format!("--camera-position {}", point(camera.position)),
-        format!("--camera-focal-point {}", point(camera.focal_point)),
-        format!("--camera-view-up {}", point(camera.view_up)),
-    ];
+    let mut words = Vec::new();
+    for (option, value) in
+        [("position", camera.position), ("focal-point", camera.focal_point), ("view-up", camera.view_up)]
+    {
+        words.extend([format!("--camera-{option}"), point(value)]);
+    }
     let fov_y = match camera.projection {
         Projection::Perspective { fov_y } => fov_y,
         Projection::Orthographic { height } => {
@@ -63,7 +165,7 @@ fn camera_options(camera: &Camera) -> Vec<String> {
         }
     };
     if (fov_y.to_degrees() - VIEW_ANGLE).abs() > 1e-12 {
-        words.push(format!("--camera-view-angle {}", fov_y.to_degrees()));
+        words.extend(["--camera-view-angle".to_owned(), fov_y.to_degrees().to_string()]);
     }
     words
 }
@@ -85,7 +187,7 @@ mod tests {
     use super::*;
     use crate::app::camera;
     use crate::app::document::Seen;
-    use crate::scene::builtin;
+    use crate::scene::{PartLook, builtin};
 
     #[test]
     fn words_are_quoted_for_a_shell() {
@@ -113,7 +215,16 @@ mod tests {
             assert!(line.contains(piece), "{line}");
         }
         assert_eq!(line.matches("--set").count(), 2);
-        document.seen.arrangement.explode = 1.0;
+        let arrangement = &mut document.seen.arrangement;
+        arrangement.explode = 1.0;
+        arrangement.sections = vec![Section { normal: -DVec3::Y, offset: -0.25, enabled: true, caps: false }];
+        arrangement.parts.insert(0, PartLook { opacity: 0.5, color: Some([1.0, 0.0, 0.2]), ..PartLook::default() });
+        let line = of(&document, [640, 480]).unwrap();
+        for piece in ["--explode=1 ", "--section=-y=0.25 --no-caps", ":opacity=0.5,color=#ff0033'"] {
+            assert!(line.contains(piece), "{line}");
+        }
+        let edited = Box::new(crate::transfer::TransferFunction::uniform(0.5));
+        document.seen.settings.opacity.transfer = crate::transfer::TransferSource::Inline(edited);
         assert!(of(&document, [640, 480]).unwrap_err().contains("session"));
     }
 }

@@ -388,7 +388,7 @@ impl Desk {
         if below(&mut self.random, 4) == 0 {
             return Key::Named(self.pick(&NAMED));
         }
-        let letters: Vec<char> = "abcdfghilmopqsvyzZ1357-.".chars().collect();
+        let letters: Vec<char> = "abcdfghilmopqsvxyzZ1357-.".chars().collect();
         let letter = self.pick(&letters);
         Key::Character(SmolStr::new(letter.to_string()))
     }

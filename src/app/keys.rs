@@ -4,7 +4,7 @@ use winit::keyboard::{Key, KeyCode, NamedKey, PhysicalKey};
 
 use super::camera::{self, Held};
 use super::dialogs::Choice;
-use super::panels::{export, menu, selection, views};
+use super::panels::{export, menu, planes, selection, views};
 use super::workspace::{Ask, Workspace};
 use crate::scene::Presence;
 
@@ -44,6 +44,7 @@ pub fn press(workspace: &mut Workspace, key: &Key, place: PhysicalKey, held: Hel
             }
             "m" => workspace.measure.on = !workspace.measure.on,
             "v" => views::next(workspace),
+            "x" => planes::toggle(workspace),
             "l" => {
                 workspace.preferences.hover = !workspace.preferences.hover;
                 workspace.hover = None;
@@ -56,9 +57,13 @@ pub fn press(workspace: &mut Workspace, key: &Key, place: PhysicalKey, held: Hel
     true
 }
 
-/// Ends one thing at a time: messages, then what is asked for, then measuring, then the selection.
+/// Ends one thing at a time: a drag of a section plane, then messages and what is asked for, then measuring, then the handles
+/// of section planes, then the selection.
 fn escape(workspace: &mut Workspace) {
     workspace.hover = None;
+    if workspace.layout.planes.is_dragging() && planes::escape(workspace) {
+        return;
+    }
     let layout = &mut workspace.layout;
     let listed = std::mem::take(&mut layout.shortcuts) | layout.stack.take().is_some();
     let asked = listed | layout.naming.take().is_some() | layout.export.take().is_some();
@@ -68,6 +73,7 @@ fn escape(workspace: &mut Workspace) {
     }
     if workspace.measure.on {
         workspace.measure = Default::default();
+    } else if planes::escape(workspace) {
     } else if let Some(document) = &mut workspace.document {
         document.settle();
         document.seen.arrangement.selected.clear();

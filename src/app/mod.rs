@@ -14,6 +14,7 @@
 //! | [`hand`] | the mouse on the picture; [`camera`] gestures, as functions |
 //! | [`picking`] | what becomes of layers under a pixel; [`measure`] distances between them |
 //! | [`editors`] | transfer functions under the hand; [`functions`] resolves them |
+//! | [`planes`] | section planes moved and tilted on the picture, as functions |
 //! | [`compare`] | two settings under a divider |
 //! | [`accuracy`] | the reference of the picture, sweeps and budgets beside it, hard cases |
 //! | [`exports`] | pictures of any size and turntables into files |
@@ -36,6 +37,7 @@ pub mod measure;
 pub mod panels;
 pub mod picking;
 pub mod pictures;
+pub mod planes;
 pub mod shell;
 pub mod surface;
 pub mod viewport;

@@ -5,7 +5,7 @@
 //! `PELLUCID_SHADERS` names, or `shaders/` of a checkout. A checkout is a current folder whose `Cargo.toml` is this program's;
 //! anywhere else only what is in the program is used, so an installed program cannot be changed by where it is started.
 //!
-//! A thread of its own waits until the files have been still for [`STILL`], reads them and checks them; only what is sound is
+//! A thread of its own waits until the files have been still for `STILL`, reads them and checks them; only what is sound is
 //! taken over. What is not is said once, with file and line, and the last good one stays.
 
 use std::collections::{BTreeMap, BTreeSet};

@@ -18,13 +18,15 @@ use super::functions::{Functions, Resolved};
 use super::loader::{HARD_CASE, MADE_IN_MEMORY, Opened};
 use super::measure::Measure;
 use super::panels::parts::Tree;
+use super::panels::planes;
 use super::pictures::{Counted, Extras, Kind, Picked, Picture, Wish};
 use super::viewport::Shown;
 use super::watch::{Changed, ShaderTexts};
 use crate::math::{Camera, LinearImage};
 use crate::plan::{self, Capabilities, FramePlan, ViewStats};
 use crate::render::FrameReport;
-use crate::scene::{Arrangement, Scene};
+use crate::scene::cut::Solids;
+use crate::scene::{Arrangement, Cut, Scene, SceneStats};
 use crate::session::{Session, camera_in_file, camera_in_scene};
 use crate::settings::Settings;
 use crate::transfer::{TransferFunction, TransferSource};
@@ -164,6 +166,29 @@ pub struct Layout {
     pub typing: Option<(String, String)>,
     /// What is selected in the transfer-function editors.
     pub editors: editors::State,
+    /// Handles of the section planes.
+    pub planes: planes::State,
+}
+
+/// What the planner has to know of the arranged scene, caps included, as the renderer counts it: filling them takes a while,
+/// so it is kept.
+struct Counts {
+    scene_number: u64,
+    solids: Solids,
+    of: Option<(Arrangement, SceneStats)>,
+}
+
+impl Counts {
+    fn of(&mut self, scene: &Scene, arrangement: &Arrangement) -> SceneStats {
+        match &self.of {
+            Some((of, stats)) if of == arrangement => stats.clone(),
+            _ => {
+                let stats = Cut::new(scene, arrangement, &self.solids).stats(scene, arrangement);
+                self.of = Some((arrangement.clone(), stats.clone()));
+                stats
+            }
+        }
+    }
 }
 
 /// What a plan was made for.
@@ -201,6 +226,7 @@ pub struct Workspace {
     /// What would run; `None` without a model or an adapter.
     pub plan: Option<Result<FramePlan, String>>,
     planned: Option<Planned>,
+    arranged: Option<Counts>,
     /// Where the picture is.
     pub viewport: Viewport,
     /// What turning turns about; the focal point if `None`.
@@ -248,6 +274,7 @@ impl Workspace {
             adapter: None,
             plan: None,
             planned: None,
+            arranged: None,
             viewport: Viewport::default(),
             pivot: None,
             picked: None,
@@ -333,6 +360,7 @@ impl Workspace {
         self.measure.ends.clear();
         self.layout.stack = None;
         self.layout.naming = None;
+        self.layout.planes = planes::State::default();
     }
 
     /// Everything seen, as a file that `pellucid render --session` draws.
@@ -428,6 +456,14 @@ impl Workspace {
     pub fn take_changed(&mut self, change: Changed) {
         match change {
             Changed::Function(name, read) => match self.functions.reload(&name, read) {
+                // The command line has those with a bare name as they were when it was built.
+                Ok(()) if !name.contains(['/', '\\', '.']) => self.say(
+                    Gravity::Notice,
+                    format!(
+                        "{name} is as in transfer_functions/{name}.toml now. `pellucid render` shows it so when it is built \
+                         anew, or with --transfer transfer_functions/{name}.toml."
+                    ),
+                ),
                 Ok(()) => self.say(Gravity::Note, format!("{name} has been read again.")),
                 Err(reason) => self.say(Gravity::Error, reason),
             },
@@ -462,7 +498,17 @@ impl Workspace {
         if self.planned.as_ref().is_some_and(same) || self.viewport.size.contains(&0) {
             return;
         }
-        let stats = document.seen.arrangement.stats(&document.scene);
+        // While a plane is dragged the plan waits for the hand to stop: its caps are filled for the picture as it is.
+        let cut = document.seen.arrangement.sections.iter().any(|s| s.enabled && s.caps);
+        if cut && document.in_gesture() && self.planned.as_ref().is_some_and(|p| p.scene_number == self.scene_number) {
+            return;
+        }
+        let number = self.scene_number;
+        let counts = match &mut self.arranged {
+            Some(counts) if counts.scene_number == number => counts,
+            other => other.insert(Counts { scene_number: number, solids: Solids::of(&document.scene), of: None }),
+        };
+        let stats = counts.of(&document.scene, &document.seen.arrangement);
         let settings = &document.seen.settings;
         let planned = match transfer {
             Some(Ok(transfer)) => plan::plan(settings, &transfer, &stats, &view, capabilities, self.viewport.size)

@@ -17,7 +17,8 @@ use crate::plan::Pass;
 use crate::scene::Scene;
 use crate::settings::Settings;
 use crate::tradeoff::budget::{self, Afresh, Choice, Goal, Measurements, Options, Verdict};
-use crate::tradeoff::statistics::Estimate;
+use crate::tradeoff::statistics::{Estimate, median};
+use crate::tradeoff::sweep::median_passes;
 use crate::tradeoff::workbench::RendererBench;
 
 /// What is measured.
@@ -115,23 +116,9 @@ struct Row {
     passes: Vec<PassTime>,
 }
 
-fn median(values: &mut [f64]) -> f64 {
-    values.sort_by(f64::total_cmp);
-    match values.len() {
-        0 => f64::NAN,
-        n if n % 2 == 1 => values[n / 2],
-        n => 0.5 * (values[n / 2 - 1] + values[n / 2]),
-    }
-}
-
-/// Medians of each pass over several frames.
-fn median_passes(frames: &[Vec<PassTime>]) -> Vec<PassTime> {
-    let Some(first) = frames.first() else { return Vec::new() };
-    let of = |pass| {
-        let mut times: Vec<f64> = frames.iter().flatten().filter(|t| t.pass == pass).map(|t| t.milliseconds).collect();
-        PassTime { pass, milliseconds: median(&mut times) }
-    };
-    first.iter().map(|t| of(t.pass)).collect()
+/// The median, or no number of none.
+fn middle(values: &[f64]) -> f64 {
+    median(values).unwrap_or(f64::NAN)
 }
 
 /// One thing that is measured, with a renderer of its own, so that no buffers are made anew between frames.
@@ -171,8 +158,8 @@ impl Candidate {
         Ok(())
     }
 
-    fn row(mut self, one: f64) -> Row {
-        let milliseconds = median(&mut self.whole);
+    fn row(self, one: f64) -> Row {
+        let milliseconds = middle(&self.whole);
         Row { ratio: milliseconds / one, milliseconds, passes: median_passes(&self.passes), name: self.name }
     }
 }
@@ -224,7 +211,7 @@ fn frame(args: &FrameArgs, progress: &Progress) -> Result<(), Failure> {
         Candidate::new("k-buffer, stylized", &scene, settings_of(&[kind, layers])?, false)?,
     ];
     interleave(&mut candidates, &camera, args.size, args.runs, progress)?;
-    let one = median(&mut candidates[0].whole);
+    let one = middle(&candidates[0].whole);
     let rows: Vec<Row> = candidates.into_iter().map(|c| c.row(one)).collect();
     let mut text = format!(
         "{} at {}x{}, k = {}, medians of {} interleaved frames; passes: each run alone, wall time\n",

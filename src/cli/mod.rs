@@ -7,6 +7,8 @@
 mod bench;
 mod budget;
 mod camera;
+#[cfg(test)]
+mod copied_tests;
 mod failure;
 mod hard_cases;
 mod inspect;

@@ -3,7 +3,8 @@
 //! `AXIS=POSITION` is a plane across an axis: `x=0.5` cuts away what lies beyond x = 0.5, `-x=0.5` what lies before it.
 //! `NX,NY,NZ,POSITION` is any plane: what has normal · x above the position is cut away, the normal taken as a direction.
 //! Positions are in the file's coordinates, or, with a percent sign, in percent of the model's box along the normal (for an
-//! axis along the axis, whatever its sign).
+//! axis along the axis, whatever its sign). A normal that has length 1 already is taken as it is, bit for bit. Behind a plane
+//! may stand `:open`, for no caps, and `:off`, for one that does not cut.
 
 use clap::Args;
 use glam::DVec3;
@@ -16,8 +17,8 @@ use crate::scene::{Arrangement, Scene, Section};
 #[derive(Args, Clone, Debug, Default)]
 #[command(next_help_heading = "Sections")]
 pub struct SectionArgs {
-    /// Cut away what lies beyond a plane: x=0.5, -x=0.5 for the other side, y=50% of the model's box, or NX,NY,NZ,POSITION;
-    /// up to six, in place of those of a session
+    /// Cut away what lies beyond a plane: x=0.5, -x=0.5 for the other side, y=50% of the model's box, or NX,NY,NZ,POSITION,
+    /// with :open behind it for a cut without caps; up to six, in place of those of a session
     #[arg(long, value_name = "PLANE", value_parser = plane, allow_hyphen_values = true)]
     pub section: Vec<Plane>,
     /// Leave cuts open
@@ -34,6 +35,10 @@ pub struct Plane {
     along: DVec3,
     /// Position along it.
     position: Position,
+    /// Whether it cuts.
+    enabled: bool,
+    /// Whether the cut is closed.
+    caps: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,6 +58,18 @@ fn position(text: &str) -> Option<Position> {
 }
 
 fn plane(text: &str) -> Result<Plane, String> {
+    let mut words = text.split(':');
+    let place = words.next().unwrap_or_default();
+    let (mut enabled, mut caps) = (true, true);
+    let mut known = true;
+    for word in words {
+        match word {
+            "open" => caps = false,
+            "off" => enabled = false,
+            _ => known = false,
+        }
+    }
+    let made = |normal, along, position| Plane { normal, along, position, enabled, caps };
     let across_axis = |(axis, at): (&str, &str)| {
         let (axis, sign) = match axis.trim().strip_prefix('-') {
             Some(axis) => (axis, -1.0),
@@ -64,25 +81,28 @@ fn plane(text: &str) -> Result<Plane, String> {
             "z" | "Z" => DVec3::Z,
             _ => return None,
         };
-        Some(Plane { normal: along * sign, along, position: position(at)? })
+        Some(made(along * sign, along, position(at)?))
     };
     let any = || {
-        let fields: Vec<&str> = text.split(',').collect();
+        let fields: Vec<&str> = place.split(',').collect();
         let [x, y, z, at] = fields[..] else { return None };
         let number = |t: &str| t.trim().parse::<f64>().ok();
-        let normal = DVec3::new(number(x)?, number(y)?, number(z)?).try_normalize()?;
-        Some(Plane { normal, along: normal, position: position(at)? })
+        let direction = DVec3::new(number(x)?, number(y)?, number(z)?);
+        let is_unit = (direction.length() - 1.0).abs() < 1e-12;
+        let normal = if is_unit { direction } else { direction.try_normalize()? };
+        Some(made(normal, normal, position(at)?))
     };
-    let found = match text.split_once('=') {
+    let found = match place.split_once('=').filter(|_| known) {
         Some(parts) => across_axis(parts),
-        None => any(),
+        None if known => any(),
+        None => None,
     };
-    found.ok_or_else(|| "expected a plane as in x=0.5, -y=12, z=50% or NX,NY,NZ,POSITION".to_owned())
+    found.ok_or_else(|| "expected a plane as in x=0.5, -y=12, z=50% or NX,NY,NZ,POSITION, and :open or :off".to_owned())
 }
 
 impl Plane {
     /// The section of a model in a box, in the file's coordinates.
-    fn section(&self, bounds: &Bounds, caps: bool) -> Section {
+    fn section(&self, bounds: &Bounds) -> Section {
         let at = match self.position {
             Position::At(at) => at,
             Position::Share(share) if !bounds.is_empty() => {
@@ -93,7 +113,9 @@ impl Plane {
             }
             Position::Share(_) => 0.0,
         };
-        Section { normal: self.normal, offset: at * self.along.dot(self.normal), enabled: true, caps }
+        // Along the normal itself there is nothing to turn round, and no rounding.
+        let turned = if self.along == self.normal { 1.0 } else { self.along.dot(self.normal) };
+        Section { normal: self.normal, offset: at * turned, enabled: self.enabled, caps: self.caps }
     }
 }
 
@@ -110,7 +132,7 @@ impl SectionArgs {
             } else {
                 Bounds { min: framed.min + scene.origin, max: framed.max + scene.origin }
             };
-            arrangement.sections = self.section.iter().map(|p| p.section(&bounds, true)).collect();
+            arrangement.sections = self.section.iter().map(|p| p.section(&bounds)).collect();
         }
         if self.no_caps {
             arrangement.sections.iter_mut().for_each(|s| s.caps = false);
@@ -125,7 +147,7 @@ mod tests {
 
     fn section(text: &str) -> Section {
         let bounds = Bounds { min: DVec3::new(-1.0, 0.0, 10.0), max: DVec3::new(1.0, 4.0, 20.0) };
-        plane(text).unwrap_or_else(|e| panic!("{text}: {e}")).section(&bounds, true)
+        plane(text).unwrap_or_else(|e| panic!("{text}: {e}")).section(&bounds)
     }
 
     #[test]
@@ -143,11 +165,28 @@ mod tests {
         ] {
             assert_eq!(section(text), Section { normal, offset, enabled: true, caps: true }, "{text}");
         }
+        let plain = section("x=0.5");
+        assert_eq!(section("x=0.5:open"), Section { caps: false, ..plain });
+        assert_eq!(section("1,0,0,0.5:off"), Section { enabled: false, ..plain });
+        assert_eq!(section("x=0.5:off:open"), Section { enabled: false, caps: false, ..plain });
         let slanted = section("3,4,0,1");
         assert!((slanted.normal - DVec3::new(0.6, 0.8, 0.0)).length() < 1e-15);
-        for wrong in
-            ["", "x", "x=", "w=1", "x=NaN", "x=inf", "1,2,3", "0,0,0,1", "1,2,3,4,5", "x=5%%", "--x=1", "a,b,c,1"]
-        {
+        for wrong in [
+            "",
+            "x",
+            "x=",
+            "w=1",
+            "x=NaN",
+            "x=inf",
+            "1,2,3",
+            "0,0,0,1",
+            "1,2,3,4,5",
+            "x=5%%",
+            "--x=1",
+            "a,b,c,1",
+            "x=1:",
+            "x=1:shut",
+        ] {
             assert!(plane(wrong).is_err(), "{wrong}");
         }
     }

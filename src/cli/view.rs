@@ -14,7 +14,7 @@ use super::load;
 use super::options::ViewArgs;
 use super::output::Progress;
 use crate::scene::arrangement::MOST_EXPLODED;
-use crate::scene::{Arrangement, Presence, Scene};
+use crate::scene::{Arrangement, PartLook, PartStyle, Presence, Scene};
 use crate::session::{PartNames, Session, SessionFile, camera_in_file, camera_in_scene};
 use crate::settings::Settings;
 
@@ -39,6 +39,9 @@ pub struct PartArgs {
     /// Outline this part through everything in front of it
     #[arg(long, value_name = "PART")]
     pub select: Vec<String>,
+    /// How this part is drawn, as in 'housing:opacity=0.3,color=#cc4400,style=solid'
+    #[arg(long, value_name = "PART:LOOK", value_parser = own_look)]
+    pub part: Vec<OwnLook>,
     /// Move parts apart, level by level of the hierarchy: 0 to 4
     #[arg(long, value_name = "FACTOR", value_parser = factor)]
     pub explode: Option<f64>,
@@ -51,16 +54,62 @@ fn factor(text: &str) -> Result<f64, String> {
         .ok_or_else(|| format!("expected a number from 0 to {MOST_EXPLODED}"))
 }
 
+/// What `--part` asks for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OwnLook {
+    part: String,
+    opacity: Option<f64>,
+    color: Option<[f64; 3]>,
+    style: Option<PartStyle>,
+}
+
+/// Parses `PART:NAME=VALUE,…`. No value has a colon, so the last one ends the part's name, whatever is in it.
+fn own_look(text: &str) -> Result<OwnLook, String> {
+    let expected = || "expected PART:LOOK, as in 'housing:opacity=0.3,color=#cc4400,style=solid'".to_owned();
+    let (part, looks) = text.rsplit_once(':').ok_or_else(expected)?;
+    let mut look = OwnLook { part: part.to_owned(), opacity: None, color: None, style: None };
+    for pair in looks.split(',') {
+        match pair.split_once('=').ok_or_else(expected)? {
+            ("opacity", value) => look.opacity = Some(share(value).ok_or("opacity: expected a number from 0 to 1")?),
+            ("color", value) => {
+                look.color = Some(own_color(value).ok_or("color: expected #rrggbb, or R/G/B from 0 to 1 each")?);
+            }
+            ("style", "as_set") => look.style = Some(PartStyle::AsSet),
+            ("style", "solid") => look.style = Some(PartStyle::Solid),
+            ("style", _) => return Err("style: expected as_set or solid".to_owned()),
+            (name, _) => return Err(format!("'{name}' is no look of a part: opacity, color and style are")),
+        }
+    }
+    Ok(look)
+}
+
+fn share(text: &str) -> Option<f64> {
+    text.parse::<f64>().ok().filter(|v| (0.0..=1.0).contains(v))
+}
+
+/// sRGB, 0 to 1.
+fn own_color(text: &str) -> Option<[f64; 3]> {
+    if let Some(digits) = text.strip_prefix('#') {
+        let six = digits.len() == 6 && digits.bytes().all(|b| b.is_ascii_hexdigit());
+        let value = u32::from_str_radix(digits, 16).ok().filter(|_| six)?;
+        return Some([16, 8, 0].map(|shift| f64::from(value >> shift & 0xff) / 255.0));
+    }
+    let channels: Vec<f64> = text.split('/').map(share).collect::<Option<_>>()?;
+    channels.try_into().ok()
+}
+
 impl PartArgs {
     /// Changes an arrangement as the options say: isolated parts first, then ghosts, then what is hidden.
     ///
     /// # Errors
     /// [`Exit::Usage`] for a name that no part has, or several have.
-    fn apply(&self, arrangement: &mut Arrangement, scene: &Scene) -> Result<(), Failure> {
+    pub(super) fn apply(&self, arrangement: &mut Arrangement, scene: &Scene) -> Result<(), Failure> {
         if let Some(explode) = self.explode {
             arrangement.explode = explode;
         }
-        if [&self.isolate, &self.ghost, &self.hide, &self.select].iter().all(|list| list.is_empty()) {
+        if [&self.isolate, &self.ghost, &self.hide, &self.select].iter().all(|list| list.is_empty())
+            && self.part.is_empty()
+        {
             return Ok(());
         }
         let names = PartNames::new(scene);
@@ -81,6 +130,15 @@ impl PartArgs {
                 arrangement.parts.entry(part).or_default().presence = presence;
             }
         }
+        for own in &self.part {
+            for part in found("--part", std::slice::from_ref(&own.part))? {
+                let look = arrangement.parts.entry(part).or_default();
+                look.opacity = own.opacity.unwrap_or(look.opacity);
+                look.color = own.color.or(look.color);
+                look.style = own.style.unwrap_or(look.style);
+            }
+        }
+        arrangement.parts.retain(|_, look| *look != PartLook::default());
         arrangement.selected.extend(found("--select", &self.select)?);
         Ok(())
     }
@@ -242,6 +300,31 @@ mod tests {
             "{e:?}"
         );
         assert_eq!(view("builtin:gearbox --explode 5").unwrap_err().exit, Exit::Usage);
+    }
+
+    #[test]
+    fn looks_of_parts_are_read_as_they_are_meant() {
+        let look = |text: &str| own_look(text).unwrap_or_else(|e| panic!("{text}: {e}"));
+        let all = look("a/b: c:d:opacity=0.25,color=#ff8000,style=solid");
+        assert_eq!((all.part.as_str(), all.opacity, all.style), ("a/b: c:d", Some(0.25), Some(PartStyle::Solid)));
+        assert_eq!(all.color, Some([1.0, 128.0 / 255.0, 0.0]));
+        let plain = look("x:color=0.1/0.2/1,style=as_set");
+        assert_eq!((plain.opacity, plain.color, plain.style), (None, Some([0.1, 0.2, 1.0]), Some(PartStyle::AsSet)));
+        for wrong in [
+            "x",
+            "x:",
+            "x:opacity",
+            "x:opacity=2",
+            "x:color=red",
+            "x:color=#ff80",
+            "x:color=1/2/3",
+            "x:size=1",
+            "x:style=own",
+        ] {
+            assert!(own_look(wrong).is_err(), "{wrong}");
+        }
+        let session = shot("builtin:quads --part quads:opacity=0.5 --part quads:opacity=1");
+        assert!(session.arrangement.parts.is_empty(), "{:?}", session.arrangement);
     }
 
     #[test]

@@ -11,9 +11,9 @@
 //! | | [`linked_list`] | fragments in order of arrival | the lists of all pixels, and the paper's sort |
 //! | | [`store`] | layers | [`StoreData`], the neutral form that read-backs have too |
 //! | | [`cut`] | positions, links | what section planes cut away and leave unknown |
-//! | features | [`neighbours`] | store | four [`Link`]s a fragment |
+//! | features | [`neighbours()`] | store | four [`Link`]s a fragment |
 //! | | [`continuity`] | store | the same by the illustration buffer's measure |
-//! | | [`curvature`] | store, links | κ and the 2×2 operator |
+//! | | [`curvature()`] | store, links | κ and the 2×2 operator |
 //! | shading | [`shade`], [`lighting`] | store, lights | lit colour |
 //! | opacity | [`stylize`] | store, lit colour, κ, tables | colour and alpha |
 //! | | [`models`] | store, links | opacity by the other models |

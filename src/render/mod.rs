@@ -261,7 +261,8 @@ impl Renderer {
         Ok(plan::plan(settings, &transfer, &scene.stats, &ViewStats::of(camera), self.gpu.capabilities(), size)?)
     }
 
-    /// Draws a picture.
+    /// Draws a picture. Transfer functions that the settings name are read anew, from their file if it is one: for many pictures
+    /// resolve them once and call [`Renderer::render_with`].
     ///
     /// # Errors
     /// [`RenderError`] says what was refused or failed.

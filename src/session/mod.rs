@@ -401,4 +401,4 @@ impl SessionFile {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -4,7 +4,7 @@
 //! A part's path is the names of its node's ancestors and its own, with `/` between them, as in `housing/bolt`. Paths are
 //! unique: the second part of a path has `#2` behind it, in scene order. A node without a name is called by its number.
 
-use std::collections::{BTreeSet, HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 use crate::scene::Scene;
 use crate::settings::edit_distance;
@@ -129,6 +129,28 @@ impl PartNames {
         }
     }
 
+    /// Few names that together mean exactly these parts: of a group where all below it are meant, else paths. Each is found
+    /// again by [`PartNames::find`].
+    pub fn said(&self, parts: &BTreeSet<u32>) -> Vec<String> {
+        let mut groups: BTreeMap<(usize, &str), BTreeSet<u32>> = BTreeMap::new();
+        for (part, path) in self.paths.iter().enumerate() {
+            for (at, _) in path.match_indices('/') {
+                groups.entry((at, &path[..at])).or_default().insert(part as u32);
+            }
+        }
+        let mut left = parts.clone();
+        let mut names = Vec::new();
+        // The largest groups have the shortest names. A part that is called like a group hides it.
+        for ((_, group), below) in groups {
+            if below.len() > 1 && below.is_subset(&left) && !self.by_path.contains_key(group) {
+                left.retain(|part| !below.contains(part));
+                names.push(group.to_owned());
+            }
+        }
+        names.extend(left.iter().filter_map(|&part| self.path(part)).map(str::to_owned));
+        names
+    }
+
     fn unknown(&self, name: &str) -> PartNameError {
         let candidates = self.paths.iter().zip(&self.names).take(MOST_COMPARED);
         let distance = |(path, own): &(&String, &String)| edit_distance(name, path).min(edit_distance(name, own));
@@ -195,6 +217,23 @@ mod tests {
         let e = names.find("heel").unwrap_err().to_string();
         assert!(e.contains("did you mean 'gear/planet/wheel'"), "{e}");
         assert_eq!(names.part("wheel"), names.find("whel").map(|_| 0).map_err(|_| names.unknown("wheel")));
+    }
+
+    #[test]
+    fn what_is_said_of_parts_means_them_again() {
+        let paths =
+            ["gear/planet/wheel", "gear/planet/pin", "gear/sun/wheel", "gear/ring", "housing", "gear", "a//b", "a//c"];
+        let names = names(&paths);
+        let said = |parts: &[u32]| names.said(&parts.iter().copied().collect());
+        assert_eq!(said(&[0, 1]), ["gear/planet"]);
+        assert_eq!(said(&[0, 1, 2, 4]), ["gear/planet", "gear/sun/wheel", "housing"]);
+        // 'gear' is a part besides, so the group of that name cannot be meant.
+        assert_eq!(said(&[0, 1, 2, 3]), ["gear/planet", "gear/sun/wheel", "gear/ring"]);
+        for set in 0..1_u32 << paths.len() {
+            let parts: BTreeSet<u32> = (0..paths.len() as u32).filter(|p| set >> p & 1 == 1).collect();
+            let again = names.said(&parts).iter().flat_map(|name| names.find(name).unwrap()).collect::<BTreeSet<u32>>();
+            assert_eq!(again, parts, "{:?}", names.said(&parts));
+        }
     }
 
     #[test]

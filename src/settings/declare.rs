@@ -1,6 +1,7 @@
 //! The one declaration of a setting, and what is made of it.
 
 use super::SettingsError;
+use crate::transfer;
 
 /// What a setting may be.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,6 +16,11 @@ pub enum Range {
     Switch,
     /// Text, checked where it is used.
     Text,
+}
+
+/// The first of several names that is not the default.
+fn other_than(default: &toml::Value, names: &[&str]) -> String {
+    names.iter().find(|name| default.as_str() != Some(name)).map_or_else(String::new, |name| (*name).to_owned())
 }
 
 impl std::fmt::Display for Range {
@@ -43,6 +49,27 @@ pub struct Declaration {
 }
 
 impl Declaration {
+    /// An allowed value that is not the default, as text: for whatever has to try a change of every setting.
+    pub fn another(&self) -> String {
+        match (self.range, &self.default) {
+            (Range::Integer(_, most), default) => {
+                let usual = default.as_integer().unwrap_or(most);
+                (if usual < most { usual + 1 } else { usual - 1 }).to_string()
+            }
+            (Range::Real(least, most), default) => {
+                // Nothing round: digits are what gets lost.
+                let at = |share: f64| ((least + share * (most - least)) * 1e5).round() / 1e5;
+                let first = at(0.371_91);
+                (if default.as_float() == Some(first) { at(0.619_37) } else { first }).to_string()
+            }
+            (Range::Choice(names), default) => other_than(default, names),
+            (Range::Switch, default) => (default.as_bool() != Some(true)).to_string(),
+            // Text is a colour or the name of transfer functions.
+            (Range::Text, toml::Value::String(text)) if text.starts_with('#') => "#1a2b3c".to_owned(),
+            (Range::Text, default) => other_than(default, &transfer::names()),
+        }
+    }
+
     /// Reads the setting's value from text.
     pub(super) fn parse(&self, text: &str) -> Result<toml::Value, SettingsError> {
         let refused = || self.refusal(text);

@@ -468,6 +468,9 @@ mod tests {
             declaration.check(value.clone()).expect(&declaration.path);
             assert_eq!(value.to_string(), declaration.default.to_string(), "{}", declaration.path);
             assert!(!declaration.help.is_empty(), "{}", declaration.path);
+            let mut other = settings.clone();
+            other.set(&declaration.path, &declaration.another()).expect(&declaration.path);
+            assert_ne!(other, settings, "{}", declaration.path);
         }
         assert_eq!(Settings::from_toml(&settings.to_toml().unwrap()).unwrap(), settings);
     }

@@ -1,7 +1,7 @@
 //! Accuracy against time: what is wrong in a picture, by how much, and what it would cost to have it right.
 //!
 //! Techniques declare axes beside their code ([`crate::settings::Axis`], listed in [`crate::passes::TECHNIQUES`]); [`axis`]
-//! makes configurations of them, [`reference`] what they are compared with, [`sweep`] measures each (errors of the picture
+//! makes configurations of them, [`mod@reference`] what they are compared with, [`sweep`] measures each (errors of the picture
 //! and of its layers, time whole and by pass), and [`report`] writes it all down, with [`page`] and [`diagram`] for the eye.
 //! [`budget`] chooses settings by a promise about time or error, and [`kept`] keeps what it measured. [`gate`] lets others work
 //! first. [`limits`] turns the errors into a verdict for continuous integration. [`hard_cases`] runs what is numerically hard,

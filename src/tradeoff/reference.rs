@@ -39,7 +39,7 @@ pub fn reference(base: &Settings, axes: &[Axis]) -> Result<Settings, SettingsErr
 /// The settings of the reference of axes that change the sampling.
 ///
 /// # Errors
-/// As [`reference`].
+/// As [`reference()`].
 pub fn supersampled(base: &Settings, axes: &[Axis]) -> Result<Settings, SettingsError> {
     let mut settings = reference(base, axes)?;
     let most = axes

@@ -448,8 +448,8 @@ fn layers_if(layers: bool) -> Wanted {
     Wanted { layers, pass_times: false }
 }
 
-/// Median of each pass over frames.
-fn median_passes(frames: &[Vec<PassTime>]) -> Vec<PassTime> {
+/// Median of each pass over the frames that ran it, in the order of the first.
+pub fn median_passes(frames: &[Vec<PassTime>]) -> Vec<PassTime> {
     let mut passes: Vec<PassTime> = Vec::new();
     for time in frames.iter().flatten() {
         if passes.iter().all(|p| p.pass != time.pass) {

@@ -179,3 +179,41 @@ fn a_cut_has_no_rims_but_the_border_of_its_cap() {
     assert_eq!(open, surface);
     assert!(cap > 40, "the cap has {cap} rims");
 }
+
+#[test]
+fn the_windows_plan_is_the_renderers() {
+    use pellucid::app::config::Preferences;
+    use pellucid::app::document::{Document, Seen};
+    use pellucid::app::workspace::Workspace;
+    use std::sync::Arc;
+
+    let Some(mut r) = renderer() else { return };
+    let scene = Arc::new(builtin::build("hard/assembly?seed=3").expect("a scene"));
+    let middle = through_the_middle(&scene, DVec3::X, 0.0, true);
+    let off = Section { enabled: false, ..through_the_middle(&scene, DVec3::Y, 0.0, true) };
+    let hidden = PartLook { presence: pellucid::scene::Presence::Hidden, ..PartLook::default() };
+    let mut workspace = Workspace::new(Preferences::default());
+    workspace.capabilities = Some(r.gpu().capabilities().clone());
+    workspace.viewport.size = SIZE;
+    for (what, sections, hides) in [
+        ("none", vec![], false),
+        ("one plane twice, and one that is off", vec![middle, middle, off], false),
+        ("open", vec![Section { caps: false, ..middle }], false),
+        ("beside the scene", vec![through_the_middle(&scene, DVec3::X, 2.0, true)], false),
+        ("with a hidden part", vec![middle, through_the_middle(&scene, DVec3::Z, 0.1, true)], true),
+    ] {
+        let mut arrangement = Arrangement { sections, ..Arrangement::default() };
+        if hides {
+            arrangement.parts.insert(0, hidden);
+        }
+        for pairs in ["", "kind=bkb k=5", "model=opaque"] {
+            let (camera, settings) = (camera(&scene, false), settings(pairs));
+            let loaded = load(&mut r, &scene, &arrangement);
+            let expected = r.plan(&loaded, &camera, &settings, SIZE).expect("a plan");
+            let seen = Seen { settings, camera, arrangement: arrangement.clone() };
+            workspace.document = Some(Document::new(String::new(), Arc::clone(&scene), seen));
+            workspace.replan();
+            assert_eq!(workspace.plan, Some(Ok(expected)), "{what}, {pairs}");
+        }
+    }
+}

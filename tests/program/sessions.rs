@@ -5,7 +5,7 @@ use std::process::{Command, Output};
 
 use serde_json::{Value, json};
 
-use super::support::{boxes, glb, gpu};
+use super::support::{boxes, full, glb, gpu};
 
 fn run(folder: &Path, words: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_pellucid"));
@@ -114,4 +114,48 @@ fn what_is_wrong_is_said() {
     std::fs::write(folder.join("s.toml"), text.replace("all/inner", "all/iner")).unwrap();
     let said = fails(folder, 3, &["plan", "--session", "s.toml"]);
     assert!(said.contains("s.toml: no part is called 'all/iner'; did you mean 'all/inner'?"), "{said}");
+}
+
+/// What the window saves and what `--set` says of the same setting give the same bytes.
+#[test]
+fn settings_render_alike_from_the_window_and_from_the_command_line() {
+    use std::sync::Arc;
+
+    use pellucid::app::camera;
+    use pellucid::app::config::Preferences;
+    use pellucid::app::document::{Document, Seen};
+    use pellucid::app::workspace::Workspace;
+    use pellucid::scene::{Arrangement, builtin};
+    use pellucid::session::{Session, camera_in_scene};
+    use pellucid::settings::Settings;
+
+    if !full() || gpu("settings both ways").is_none() {
+        return;
+    }
+    let place = tempfile::tempdir().unwrap();
+    let folder = place.path();
+    let scene = Arc::new(builtin::build("stack").unwrap());
+    for (i, declaration) in Settings::declarations().iter().enumerate().filter(|(i, _)| i % 3 == 0) {
+        let set = format!("{}={}", declaration.path, declaration.another());
+        let words = ["render", "builtin:stack", "--size", "96x72", "--set", &set, "-o", "line.png"];
+        done(folder, &[&words[..], &["--save-session", "line.toml"]].concat());
+        // The same camera under the window's hand.
+        let text = std::fs::read_to_string(folder.join("line.toml")).unwrap();
+        let kept = Session::from_toml(&text).and_then(|s| s.resolve(&scene)).unwrap();
+        let mut workspace = Workspace::new(Preferences::default());
+        workspace.viewport.size = [96, 72];
+        let seen = Seen {
+            settings: Settings::default(),
+            camera: camera_in_scene(&kept.camera, &scene),
+            arrangement: Arrangement::default(),
+        };
+        assert!(camera::is_sound(&seen.camera));
+        let mut document = Document::new("builtin:stack".to_owned(), Arc::clone(&scene), seen);
+        document.seen.settings.set(&declaration.path, &declaration.another()).unwrap();
+        workspace.document = Some(document);
+        std::fs::write(folder.join("window.toml"), workspace.session(folder).unwrap()).unwrap();
+        done(folder, &["render", "--session", "window.toml", "-o", "window.png"]);
+        let [a, b] = ["line.png", "window.png"].map(|name| std::fs::read(folder.join(name)).unwrap());
+        assert!(a == b, "{i}: {set}");
+    }
 }

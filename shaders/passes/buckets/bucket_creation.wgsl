@@ -20,10 +20,10 @@ fn insert_bucket(pixel: u32, part: u32, first: u32, end: u32) {
 
 @compute @workgroup_size(16, 16)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= frame.size.x || id.y >= frame.end_row - frame.first_row {
+    if !has_pixel(id.xy) {
         return;
     }
-    let pixel = id.y * frame.size.x + id.x;
+    let pixel = pixel_at(id.xy);
     let count = layer_count(pixel);
     if count == 0u {
         return;

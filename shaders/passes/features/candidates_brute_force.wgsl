@@ -40,10 +40,10 @@ fn best_candidate(adjacent: Adjacent, direction: u32, seeker: Seeker) -> u32 {
 
 @compute @workgroup_size(16, 16)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= frame.size.x || id.y >= frame.end_row - frame.first_row {
+    if !has_pixel(id.xy) {
         return;
     }
-    let pixel = id.y * frame.size.x + id.x;
+    let pixel = pixel_at(id.xy);
     let base = layer_base(pixel);
     let begin = id.z * store_layout.chunk;
     let end = min(layer_count(pixel), begin + store_layout.chunk);

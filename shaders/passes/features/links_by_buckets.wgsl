@@ -203,10 +203,10 @@ fn store_links(slot: u32, pixel: u32, position: u32, right: u32, below: u32) {
 // Nothing is behind a layer until it is found.
 @compute @workgroup_size(16, 16)
 fn begin(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= frame.size.x || id.y >= frame.end_row - frame.first_row {
+    if !has_pixel(id.xy) {
         return;
     }
-    let pixel = id.y * frame.size.x + id.x;
+    let pixel = pixel_at(id.xy);
     let base = layer_base(pixel);
     let count = layer_count(pixel);
     let adjacent = adjacent_of(id.x, id.y);
@@ -224,10 +224,10 @@ fn begin(@builtin(global_invocation_id) id: vec3<u32>) {
 
 @compute @workgroup_size(16, 16)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= frame.size.x || id.y >= frame.end_row - frame.first_row {
+    if !has_pixel(id.xy) {
         return;
     }
-    let pixel = id.y * frame.size.x + id.x;
+    let pixel = pixel_at(id.xy);
     let table = bucket_table(pixel);
     let base = table.base;
     let begin = id.z * store_layout.chunk;

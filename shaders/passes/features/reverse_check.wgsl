@@ -21,11 +21,11 @@ fn checked(candidate: u32, other: u32, opposite: u32, layer: u32) -> u32 {
 
 @compute @workgroup_size(16, 16)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= frame.size.x || id.y >= frame.end_row - frame.first_row {
+    if !has_pixel(id.xy) {
         return;
     }
     let width = frame.size.x;
-    let pixel = id.y * width + id.x;
+    let pixel = pixel_at(id.xy);
     let count = layer_count(pixel);
     let base = layer_base(pixel);
     for (var layer = 0u; layer < count; layer++) {

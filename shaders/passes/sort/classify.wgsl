@@ -19,8 +19,8 @@ fn class_of(count: u32) -> u32 {
 
 @compute @workgroup_size(16, 16)
 fn count_classes(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    if id.x < frame.size.x && id.y < frame.end_row - frame.first_row {
-        let count = layer_count(id.y * frame.size.x + id.x);
+    if has_pixel(id.xy) {
+        let count = layer_count(pixel_at(id.xy));
         if count > 0u {
             atomicAdd(&lengths[class_of(count)], 1u);
         }
@@ -51,10 +51,10 @@ fn place_classes() {
 
 @compute @workgroup_size(16, 16)
 fn list_pixels(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= frame.size.x || id.y >= frame.end_row - frame.first_row {
+    if !has_pixel(id.xy) {
         return;
     }
-    let pixel = id.y * frame.size.x + id.x;
+    let pixel = pixel_at(id.xy);
     let count = layer_count(pixel);
     if count > 0u {
         class_pixels[atomicAdd(&classes[4u * class_of(count) + 2u], 1u)] = pixel;

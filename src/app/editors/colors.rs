@@ -18,16 +18,11 @@ const STRIP: f32 = 12.0;
 /// What is selected.
 #[derive(Default)]
 pub struct State {
-    gestures: Gestures<ColorPoint>,
+    /// On the curve.
+    pub gestures: Gestures<ColorPoint>,
 }
 
 impl State {
-    pub(super) fn abandon_busy(&mut self) {
-        if self.gestures.busy() {
-            self.gestures.abandon();
-        }
-    }
-
     /// Selected points.
     pub fn selected(&self) -> Vec<usize> {
         self.gestures.selected.iter().copied().collect()

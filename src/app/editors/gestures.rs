@@ -115,6 +115,13 @@ impl<P: Handle> Gestures<P> {
         self.nudging = false;
     }
 
+    /// The same, unless nothing is: what only selects goes on.
+    pub fn abandon_busy(&mut self) {
+        if self.busy() {
+            self.abandon();
+        }
+    }
+
     /// Whether a gesture is under way.
     pub fn busy(&self) -> bool {
         self.drag.as_ref().is_some_and(|d| d.what != What::Band) || self.nudging

@@ -84,8 +84,8 @@ pub fn show(ui: &mut Ui, workspace: &mut Workspace) {
     let state = &mut workspace.layout.editors;
     let gesture = workspace.document.as_ref().is_some_and(|d| d.in_gesture());
     if !gesture {
-        state.opacities.abandon_busy();
-        state.colors.abandon_busy();
+        state.opacities.gestures.abandon_busy();
+        state.colors.gestures.abandon_busy();
         state.map.abandon_busy();
     }
     let mut edit = Edit::default();

@@ -31,12 +31,6 @@ impl State {
             self.gestures = Gestures::default();
         }
     }
-
-    pub(super) fn abandon_busy(&mut self) {
-        if self.gestures.busy() {
-            self.gestures.abandon();
-        }
-    }
 }
 
 /// The editor of one curve.

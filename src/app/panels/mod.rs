@@ -8,8 +8,13 @@ pub mod menu;
 pub mod messages;
 pub mod parts;
 pub mod plan;
+pub mod planes;
+#[cfg(test)]
+mod planes_tests;
 pub mod sections;
 pub mod selection;
+#[cfg(test)]
+mod settings_tests;
 pub mod shortcuts;
 pub mod stack;
 pub mod stages;
@@ -86,6 +91,7 @@ fn picture(ui: &mut Ui, workspace: &mut Workspace) {
             ui.painter().rect_filled(rect, 0.0, style::behind_the_picture(ui.visuals().dark_mode));
         }
     }
+    planes::show(ui, rect, workspace);
     measure::overlay(ui, rect, workspace);
     messages::show(ui, rect, workspace);
     export::show(ui, rect, workspace);

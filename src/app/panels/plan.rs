@@ -9,14 +9,16 @@ use crate::render::Kept;
 
 /// The plan.
 pub fn show(ui: &mut Ui, workspace: &mut Workspace) {
-    workspace.replan();
-    let Some(plan) = &workspace.plan else {
+    if workspace.document.is_none() || workspace.capabilities.is_none() {
         return;
-    };
+    }
     CollapsingHeader::new(RichText::new("Plan").strong()).default_open(false).show_unindented(ui, |ui| {
-        let plan = match plan {
-            Ok(plan) => plan,
-            Err(refusal) => {
+        // Only where it is looked at: counting caps takes a while.
+        workspace.replan();
+        let plan = match &workspace.plan {
+            None => return,
+            Some(Ok(plan)) => plan,
+            Some(Err(refusal)) => {
                 ui.colored_label(ui.visuals().error_fg_color, refusal);
                 return;
             }

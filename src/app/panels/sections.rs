@@ -1,14 +1,17 @@
 //! Section planes: up to six, each with its direction, where it stands, and whether the parts that it cuts are closed.
 //!
-//! A plane is added in the middle of the model, towards an axis or the viewer; what lies on the side that its direction points
+//! A plane is added in the middle of the model, towards an axis or the viewer, and can then be pulled and tilted on the
+//! picture ([`super::planes`]); what lies on the side that its direction points
 //! to is cut away. Positions are along the direction, in the file's units.
 
 use egui::{CollapsingHeader, ComboBox, DragValue, RichText, Slider, Ui};
 use glam::DVec3;
 
+use crate::app::planes::{in_file, range_of};
 use crate::app::workspace::Workspace;
+use crate::math::Bounds;
+use crate::scene::Section;
 use crate::scene::arrangement::MOST_SECTIONS;
-use crate::scene::{Scene, Section};
 
 /// Directions by name.
 const DIRECTIONS: &[(&str, DVec3)] = &[
@@ -20,21 +23,15 @@ const DIRECTIONS: &[(&str, DVec3)] = &[
     ("−z", DVec3::NEG_Z),
 ];
 
-/// Where planes of a direction meet the model: least and most of normal·x, in the file's coordinates.
-pub fn range_of(scene: &Scene, normal: DVec3) -> [f64; 2] {
-    let along = scene.bounds().corners().map(|c| normal.dot(c + scene.origin));
-    [along.into_iter().fold(f64::INFINITY, f64::min), along.into_iter().fold(f64::NEG_INFINITY, f64::max)]
-}
-
-/// A plane through the middle of the model.
-pub fn through_the_middle(scene: &Scene, normal: DVec3) -> Section {
-    let [least, most] = range_of(scene, normal);
+/// A plane through the middle of the box around the model, in the file's coordinates.
+pub fn through_the_middle(bounds: &Bounds, normal: DVec3) -> Section {
+    let [least, most] = range_of(bounds, normal);
     Section { normal, offset: 0.5 * (least + most), enabled: true, caps: true }
 }
 
 /// The same plane in another direction, as far through the model as before.
-fn turned(scene: &Scene, section: &Section, normal: DVec3) -> Section {
-    let [old, new] = [range_of(scene, section.normal), range_of(scene, normal)];
+fn turned(bounds: &Bounds, section: &Section, normal: DVec3) -> Section {
+    let [old, new] = [range_of(bounds, section.normal), range_of(bounds, normal)];
     let size = old[1] - old[0];
     let share = if size > 0.0 { ((section.offset - old[0]) / size).clamp(0.0, 1.0) } else { 0.5 };
     Section { normal, offset: new[0] + share * (new[1] - new[0]), ..*section }
@@ -45,11 +42,14 @@ pub fn show(ui: &mut Ui, workspace: &mut Workspace) {
     let Some(document) = &mut workspace.document else {
         return;
     };
-    let scene = std::sync::Arc::clone(&document.scene);
+    // Where the exploded view has the parts: there the planes cut.
+    let bounds = in_file(&document.seen.arrangement.framed_bounds(&document.scene), &document.scene);
+    let handles = &mut workspace.layout.planes;
     let toward_viewer = -document.seen.camera.direction();
     let sections = &mut document.seen.arrangement.sections;
     let title = if sections.is_empty() { "Sections".to_owned() } else { format!("Sections  {}", sections.len()) };
     CollapsingHeader::new(RichText::new(title).strong()).id_salt("sections").show_unindented(ui, |ui| {
+        let before = sections.len();
         ui.horizontal(|ui| {
             ui.label("Add");
             ui.add_enabled_ui(sections.len() < MOST_SECTIONS, |ui| {
@@ -60,7 +60,7 @@ pub fn show(ui: &mut Ui, workspace: &mut Workspace) {
                         egui::WidgetInfo::labeled(egui::Role::Button, true, format!("Add a section across {axis}"))
                     });
                     if button.clicked() {
-                        sections.push(through_the_middle(&scene, *normal));
+                        sections.push(through_the_middle(&bounds, *normal));
                     }
                 }
                 let button = ui.button("view").on_hover_text("Cut away the side towards the viewer");
@@ -68,27 +68,38 @@ pub fn show(ui: &mut Ui, workspace: &mut Workspace) {
                     egui::WidgetInfo::labeled(egui::Role::Button, true, "Add a section across the view")
                 });
                 if button.clicked() {
-                    sections.push(through_the_middle(&scene, toward_viewer));
+                    sections.push(through_the_middle(&bounds, toward_viewer));
                 }
             });
         });
+        if sections.len() > before {
+            handles.choose(before);
+        }
         let mut removed = None;
         for (i, section) in sections.iter_mut().enumerate() {
             ui.push_id(i, |ui| {
-                if plane(ui, &scene, i + 1, section) {
+                let was = *section;
+                if plane(ui, &bounds, i + 1, section) {
                     removed = Some(i);
+                } else if *section != was {
+                    handles.chosen = i;
                 }
             });
         }
         if let Some(i) = removed {
             sections.remove(i);
+            handles.chosen = handles.chosen.saturating_sub(usize::from(handles.chosen > i));
+        }
+        if !sections.is_empty() {
+            let help = "Arrows on the picture pull the planes, the ring at an arrow's end tilts its plane (X)";
+            ui.checkbox(&mut handles.shown, "Handles on the picture").on_hover_text(help);
         }
         ui.add_space(4.0);
     });
 }
 
 /// One plane; whether it is to be removed.
-fn plane(ui: &mut Ui, scene: &Scene, number: usize, section: &mut Section) -> bool {
+fn plane(ui: &mut Ui, bounds: &Bounds, number: usize, section: &mut Section) -> bool {
     let mut removed = false;
     ui.horizontal(|ui| {
         let enabled = ui.checkbox(&mut section.enabled, format!("Section {number}"));
@@ -98,7 +109,7 @@ fn plane(ui: &mut Ui, scene: &Scene, number: usize, section: &mut Section) -> bo
         let shown = direction.show_ui(ui, |ui| {
             for (name, normal) in DIRECTIONS {
                 if ui.selectable_label(named == Some(*name), *name).clicked() {
-                    *section = turned(scene, section, *normal);
+                    *section = turned(bounds, section, *normal);
                 }
             }
         });
@@ -109,7 +120,7 @@ fn plane(ui: &mut Ui, scene: &Scene, number: usize, section: &mut Section) -> bo
         ui.checkbox(&mut section.caps, "Caps").on_hover_text("Close the parts that it cuts");
         removed = ui.button("Remove").clicked();
     });
-    let [least, most] = range_of(scene, section.normal);
+    let [least, most] = range_of(bounds, section.normal);
     let size = (most - least).max(f64::MIN_POSITIVE);
     ui.horizontal(|ui| {
         ui.spacing_mut().slider_width = (ui.available_width() - 96.0).max(60.0);
@@ -130,13 +141,14 @@ mod tests {
     fn a_plane_is_added_in_the_middle_and_turned_as_far_through_as_before() {
         let mut scene = builtin::build("gearbox").unwrap();
         scene.origin = DVec3::new(1000.0, 0.0, 0.0);
-        let [least, most] = range_of(&scene, DVec3::X);
+        let bounds = in_file(&scene.bounds(), &scene);
+        let [least, most] = range_of(&bounds, DVec3::X);
         assert!(least > 900.0 && most > least, "the file's coordinates");
-        let middle = through_the_middle(&scene, DVec3::X);
+        let middle = through_the_middle(&bounds, DVec3::X);
         assert!((middle.offset - 0.5 * (least + most)).abs() < 1e-9 && middle.enabled && middle.caps);
         let quarter = Section { offset: least + 0.25 * (most - least), ..middle };
-        let across = turned(&scene, &quarter, DVec3::NEG_Y);
-        let [least, most] = range_of(&scene, DVec3::NEG_Y);
+        let across = turned(&bounds, &quarter, DVec3::NEG_Y);
+        let [least, most] = range_of(&bounds, DVec3::NEG_Y);
         assert!((across.offset - (least + 0.25 * (most - least))).abs() < 1e-9, "{across:?}");
     }
 }

@@ -22,14 +22,27 @@ pub const KEYS: &[(&str, &str)] = &[
     ("Shift+H", "Show every part"),
     ("M", "Measure between two clicks"),
     ("A", "What is wrong in the picture: the accuracy panel instead of the stages"),
+    ("X", "Handles of section planes on the picture: on, off"),
     ("L", "Parts under the cursor: on, off"),
     ("Ctrl+S", "Save the session"),
     ("Ctrl+P", "Save the picture"),
     ("Ctrl+Shift+P", "Write pictures: any size, turntable"),
     ("Ctrl+Shift+C", "Copy as command line"),
     ("F1", "This list"),
-    ("Esc", "Dismiss messages; end measuring; select nothing"),
+    ("Esc", "Give up a drag; dismiss messages; end measuring; hide handles; select nothing"),
     ("Ctrl+Q", "Quit"),
+];
+
+/// What the pointer and keys do on handles: of section planes on the picture, and of points in the editors.
+pub const HANDLES: &[(&str, &str)] = &[
+    ("Arrow of a section plane", "Drag: pull the plane; click: choose it"),
+    ("Ring of a section plane", "Drag: tilt it; Shift in steps of 15°"),
+    ("Double-click in an editor", "Add a point"),
+    ("Drag a point", "Move it; Shift along one axis"),
+    ("Drag on empty ground", "Select points; Ctrl scales the curve"),
+    ("Delete, Insert, Ctrl+A", "Delete, add, select points"),
+    ("Tab, arrows", "Walk over handles, move one; Shift coarse"),
+    ("Ctrl with any drag or arrow", "Fine"),
 ];
 
 fn mouse(habits: Habits) -> [(&'static str, &'static str); 6] {
@@ -48,6 +61,16 @@ fn mouse(habits: Habits) -> [(&'static str, &'static str); 6] {
     ]
 }
 
+fn list(ui: &mut Ui, name: &str, lines: &[(&str, &str)]) {
+    Grid::new(name).num_columns(2).spacing([16.0, 4.0]).show(ui, |ui| {
+        for (keys, what) in lines {
+            ui.monospace(*keys);
+            ui.label(*what);
+            ui.end_row();
+        }
+    });
+}
+
 /// The list, if it is asked for.
 pub fn show(ui: &mut Ui, workspace: &mut Workspace) {
     if !workspace.layout.shortcuts {
@@ -62,12 +85,16 @@ pub fn show(ui: &mut Ui, workspace: &mut Workspace) {
         .resizable(false)
         .collapsible(false)
         .show(ui.ctx(), |ui| {
-            Grid::new("shortcuts").num_columns(2).spacing([16.0, 4.0]).show(ui, |ui| {
-                for (keys, what) in KEYS.iter().copied().chain(mouse(workspace.preferences.mouse)) {
-                    ui.monospace(keys);
-                    ui.label(what);
-                    ui.end_row();
-                }
+            let mouse = mouse(workspace.preferences.mouse);
+            // Side by side, or a small window does not hold them.
+            ui.horizontal_top(|ui| {
+                list(ui, "keys", KEYS);
+                ui.separator();
+                ui.vertical(|ui| {
+                    list(ui, "mouse", &mouse);
+                    ui.separator();
+                    list(ui, "handles", HANDLES);
+                });
             });
         });
     workspace.layout.shortcuts = open;

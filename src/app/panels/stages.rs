@@ -10,7 +10,7 @@ use egui::{Align, CollapsingHeader, Color32, ComboBox, DragValue, Layout, RichTe
 
 use crate::app::workspace::{Gravity, Workspace};
 use crate::export::image::parse_background;
-use crate::settings::{CaptureKind, Declaration, OpacityModel, Range, Settings};
+use crate::settings::{CaptureKind, Declaration, OpacityModel, Range, Settings, text_at};
 use crate::transfer;
 
 static DECLARATIONS: LazyLock<Vec<Declaration>> = LazyLock::new(Settings::declarations);
@@ -144,7 +144,7 @@ fn row(
                 let named = format!("Reset {title}");
                 back.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &named));
                 if back.clicked() {
-                    next = Some(plain(&declaration.default));
+                    next = text_at(&Settings::default(), &declaration.path);
                 }
             } else {
                 ui.allocate_exact_size(ICON, egui::Sense::hover());
@@ -171,11 +171,6 @@ fn put_back(ui: &mut Ui) -> egui::Response {
     ui.painter().line_segment([head, head + vec2(0.5, -3.5)], stroke);
     ui.painter().line_segment([head, head + vec2(3.5, -0.2)], stroke);
     response
-}
-
-/// A TOML value as [`Settings::set`] takes it.
-fn plain(value: &toml::Value) -> String {
-    value.as_str().map_or_else(|| value.to_string(), str::to_owned)
 }
 
 fn control(

@@ -400,8 +400,7 @@ impl GpuScene {
         } else {
             self.part_table = gpu.buffer_of("part_table", bytemuck::cast_slice(&table), TABLE)?;
         }
-        self.stats = arrangement.stats(scene);
-        self.cut.count_into(&mut self.stats);
+        self.stats = self.cut.stats(scene, arrangement);
         self.arrangement = arrangement.clone();
         gpu.check()
     }

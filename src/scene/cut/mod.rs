@@ -2,12 +2,12 @@
 //!
 //! A plane cuts parts where the arrangement puts them. What lies on the side of its normal is cut away, fragment by fragment,
 //! by the shaders (`scene/clip_planes.wgsl`); nothing here changes a mesh. Where caps are wanted, the inside of every part
-//! that is drawn is filled in the plane: [`contours`] of the part's triangles, then triangles between them. A cap is a part
+//! that is drawn is filled in the plane: `contours` of the part's triangles, then triangles between them. A cap is a part
 //! of its own, numbered after the scene's, with triangle numbers after the scene's, and belongs to the part that it closes;
 //! other planes cut it as they cut everything, its own does not.
 //!
 //! A part is closed if its contours are. One that is not has no cap, and is told by name. Where parts overlap, the smaller
-//! one's cap is taken out of the larger one's ([`fill`]), so that no two lie in one place.
+//! one's cap is taken out of the larger one's (`fill`), so that no two lie in one place.
 //!
 //! Triangles come from the crate `i_triangle`: contours are snapped to a grid of about 2⁻³⁰ of their box and intersected
 //! exactly there, so that contours that touch, cross or overlap cannot break it.
@@ -203,6 +203,13 @@ impl Cut {
     pub fn owner(&self, part: u32) -> u32 {
         let cap = part.checked_sub(self.scene_parts).and_then(|i| self.caps.get(i as usize));
         cap.map_or(part, |cap| cap.part)
+    }
+
+    /// What the planner needs to know of the scene, arranged and cut.
+    pub fn stats(&self, scene: &Scene, arrangement: &Arrangement) -> SceneStats {
+        let mut stats = arrangement.stats(scene);
+        self.count_into(&mut stats);
+        stats
     }
 
     /// Adds planes and caps to what the planner knows of the arranged scene.

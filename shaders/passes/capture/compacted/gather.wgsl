@@ -11,10 +11,10 @@
 
 @compute @workgroup_size(16, 16)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= frame.size.x || id.y >= frame.end_row - frame.first_row {
+    if !has_pixel(id.xy) {
         return;
     }
-    let pixel = id.y * frame.size.x + id.x;
+    let pixel = pixel_at(id.xy);
     let base = layer_base(pixel);
     let count = layer_count(pixel);
     for (var i = 0u; i < count; i++) {
