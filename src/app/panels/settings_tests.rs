@@ -27,7 +27,7 @@ fn window() -> Window {
     workspace.document = Some(Document::new("builtin:quads".to_owned(), scene, seen));
     workspace.scene_number = 1;
     let show = |ui: &mut egui::Ui, workspace: &mut Workspace| panels::show(ui, workspace);
-    let mut window = Harness::builder().with_size(egui::vec2(1280.0, 1600.0)).build_ui_state(show, workspace);
+    let mut window = Harness::builder().with_size(egui::vec2(1280.0, 2600.0)).build_ui_state(show, workspace);
     super::style::set_up(&window.ctx);
     window.run();
     for (stage, title) in stages::STAGES {
