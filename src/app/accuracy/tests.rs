@@ -214,7 +214,7 @@ fn what_was_found_is_shown_of_the_very_picture_alone() {
 }
 
 #[test]
-fn measuring_is_asked_for_shown_and_stopped() {
+fn the_accuracy_panel_asks_for_measuring_shows_and_stops_it() {
     let mut workspace = workspace("quads");
     workspace.preferences.accuracy = true;
     let mut harness = harness(workspace);

@@ -98,7 +98,7 @@ fn close(a: f64, b: f64) -> bool {
 }
 
 #[test]
-fn an_arrow_pulls_its_plane_under_the_pointer_in_one_step() {
+fn planes_are_pulled_by_their_arrows_in_one_step() {
     let mut window = window();
     let (before, unit) = (planes(&window), unit(&window));
     drag(&mut window, "Pull section 1", vec2(40.0, 25.0), Modifiers::NONE);
