@@ -263,6 +263,12 @@ settings! {
         pub model: OpacityModel = OpacityModel::Curvature, Range::Choice(OpacityModel::NAMES);
         /// Opacity of every layer under `constant`.
         pub constant: f64 = 0.3, Range::Real(0.0, 1.0);
+        /// Transfer functions under `curvature`: a name from `transfer_functions/` or a path.
+        pub transfer: TransferSource = TransferSource::default(), Range::Text;
+        /// Multiplies what the opacity transfer function gives.
+        pub gain: f64 = 1.0, Range::Real(0.0, 8.0);
+        /// Multiplies the opacity of ghosted parts, lines included.
+        pub ghost: f64 = GHOST_OPACITY, Range::Real(0.0, 1.0);
         /// Opacity of all layers of a pixel together under `adaptive`.
         pub adaptive: f64 = 0.7, Range::Real(0.0, 1.0);
         /// Angle-based opacity.
@@ -271,12 +277,6 @@ settings! {
         pub group variation: VariationSettings;
         /// Illustrative transparency.
         pub group illustrative: IllustrativeSettings;
-        /// Transfer functions under `curvature`: a name from `transfer_functions/` or a path.
-        pub transfer: TransferSource = TransferSource::default(), Range::Text;
-        /// Multiplies what the opacity transfer function gives.
-        pub gain: f64 = 1.0, Range::Real(0.0, 8.0);
-        /// Multiplies the opacity of ghosted parts, lines included.
-        pub ghost: f64 = GHOST_OPACITY, Range::Real(0.0, 1.0);
     }
 }
 
