@@ -348,7 +348,7 @@ pub fn illustrated(
 ) -> (illustration::Fields, Vec<f64>) {
     let settings = IllustrativeSettings { printed: PrintedForm::None, ..settings.clone() };
     let begun = illustration::boundary(store, links, base, false);
-    let fields = illustration::diffuse(&illustration::adjacency(store, links), &begun, &settings);
+    let fields = illustration::diffuse(&illustration::Graph::of(store, links, &settings), &begun, &settings);
     let opacities = illustration::opacities(&fields, &settings);
     (fields, opacities)
 }

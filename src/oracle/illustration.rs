@@ -10,6 +10,7 @@
 //! - α has no fixed fragments: no rule of the paper makes one.
 //! - A power with p = 0 is 0 at u = 0 and 1 elsewhere, its limit.
 
+use super::feature_size;
 use super::neighbours::{Direction, Link};
 use super::store::StoreData;
 use crate::settings::{Diffusion, IllustrativeSettings, PrintedForm, Profile};
@@ -34,24 +35,67 @@ pub fn adjacency(store: &StoreData, links: &[[Link; 4]]) -> Vec<[Option<usize>; 
     (0..store.len()).map(|i| Direction::ALL.map(|d| neighbour(i, d))).collect()
 }
 
-/// Sections 5.2 and 5.3: α from `base`, silhouettes and halos from the links. With `bare`, every step of the index counts.
-pub fn boundary(store: &StoreData, links: &[[Link; 4]], base: &[f64], bare: bool) -> Fields {
+/// Whether fragment `index` of a pixel lies under what ends between it and its neighbour in a direction, and whether it lies
+/// beside that: the index differs, and something in front really ends there (T19). With `bare`, every step of the index counts.
+pub fn occlusion(
+    store: &StoreData,
+    links: &[[Link; 4]],
+    pixel: usize,
+    index: usize,
+    d: Direction,
+    bare: bool,
+) -> (bool, bool) {
     let (width, height) = (store.width.max(1) as usize, store.height as usize);
-    let mut fields = Fields::default();
     // Whether something in front of layer `index` of a pixel ends in a direction.
     let ends_in_front = |pixel: usize, index: usize, d: Direction| {
         let first = store.offsets[pixel];
         (first..first + index).any(|f| links[f][d as usize] == Link::Missing)
     };
+    match (links[store.offsets[pixel] + index][d as usize], d.step(pixel, width, height)) {
+        (Link::To(layer), Some(q)) => {
+            let other = layer as usize;
+            (
+                index > other && (bare || ends_in_front(pixel, index, d)),
+                index < other && (bare || ends_in_front(q, other, d.opposite())),
+            )
+        }
+        _ => (false, false),
+    }
+}
+
+/// Who is whose neighbour, and how much flows between them.
+#[derive(Clone, Debug, Default)]
+pub struct Graph {
+    /// The fragment in each direction, if there is one.
+    pub around: Vec<[Option<usize>; 4]>,
+    /// The conductance of each link, from 0 to 1, the same from both sides.
+    pub conductance: Vec<[f64; 4]>,
+}
+
+impl Graph {
+    /// Everything flows everywhere alike, as in the paper.
+    pub fn isotropic(around: Vec<[Option<usize>; 4]>) -> Graph {
+        Graph { conductance: vec![[1.0; 4]; around.len()], around }
+    }
+
+    /// As the settings ask: by local feature size, or isotropic.
+    pub fn of(store: &StoreData, links: &[[Link; 4]], settings: &IllustrativeSettings) -> Graph {
+        let (around, bare) = (adjacency(store, links), settings.printed == PrintedForm::IndexSteps);
+        let conductance = feature_size::conductances(&around, store, links, settings.feature_size, bare);
+        Graph { around, conductance }
+    }
+}
+
+/// Sections 5.2 and 5.3: α from `base`, silhouettes and halos from the links. With `bare`, every step of the index counts.
+pub fn boundary(store: &StoreData, links: &[[Link; 4]], base: &[f64], bare: bool) -> Fields {
+    let mut fields = Fields::default();
     for (i, &pixel) in store.pixel_of_fragment().iter().enumerate() {
         let index = i - store.offsets[pixel];
         let ends = links[i].contains(&Link::Missing);
         let (mut under, mut beside) = (false, false);
         for d in Direction::ALL {
-            let (Link::To(layer), Some(q)) = (links[i][d as usize], d.step(pixel, width, height)) else { continue };
-            let other = layer as usize;
-            under |= index > other && (bare || ends_in_front(pixel, index, d));
-            beside |= index < other && (bare || ends_in_front(q, other, d.opposite()));
+            let found = occlusion(store, links, pixel, index, d, bare);
+            (under, beside) = (under | found.0, beside | found.1);
         }
         let one = |is: bool| f64::from(u8::from(is));
         fields.values.push([base[i].clamp(0.0, 1.0), one(ends), one(beside)]);
@@ -60,8 +104,9 @@ pub fn boundary(store: &StoreData, links: &[[Link; 4]], base: &[f64], bare: bool
     fields
 }
 
-/// Step number `step` of diffusion, from 0.
-pub fn step(around: &[[Option<usize>; 4]], fields: &Fields, settings: &IllustrativeSettings, step: u32) -> Fields {
+/// Step number `step` of diffusion, from 0. What spreads by `max` loses λ over a link's conductance; heat flows by its square,
+/// so that both reach as many times as far as the conductance says.
+pub fn step(graph: &Graph, fields: &Fields, settings: &IllustrativeSettings, step: u32) -> Fields {
     let s = settings;
     let how =
         [(s.alpha.diffusion, s.alpha.lambda), (s.beta.diffusion, s.beta.lambda), (s.gamma.diffusion, s.gamma.lambda)];
@@ -69,25 +114,28 @@ pub fn step(around: &[[Option<usize>; 4]], fields: &Fields, settings: &Illustrat
     let next = |i: usize, c: usize| {
         let u = fields.values[i][c];
         let is_fixed = c > 0 && fields.fixed[i][c - 1];
-        let neighbours = || around[i].iter().flatten().map(|&j| fields.values[j][c]);
+        let links = || graph.around[i].iter().zip(graph.conductance[i]).filter_map(|(j, g)| Some(((*j)?, g)));
         let (diffusion, lambda) = how[c];
         match diffusion {
             Diffusion::Heat if heats && !is_fixed => {
                 let rate = if s.printed == PrintedForm::Laplacian { 1.0 } else { lambda / 4.0 };
-                u + rate * neighbours().map(|n| n - u).sum::<f64>()
+                u + rate * links().map(|(j, g)| g * g * (fields.values[j][c] - u)).sum::<f64>()
             }
             Diffusion::Max if !is_fixed || s.printed == PrintedForm::Propagation => {
-                u.max(neighbours().fold(f64::NEG_INFINITY, f64::max) - lambda)
+                links().map(|(j, g)| fields.values[j][c] - lambda / g).fold(u, f64::max)
             }
             _ => u,
         }
     };
-    Fields { values: (0..around.len()).map(|i| [0, 1, 2].map(|c| next(i, c))).collect(), fixed: fields.fixed.clone() }
+    Fields {
+        values: (0..graph.around.len()).map(|i| [0, 1, 2].map(|c| next(i, c))).collect(),
+        fixed: fields.fixed.clone(),
+    }
 }
 
 /// All steps that the settings ask for, none left out.
-pub fn diffuse(around: &[[Option<usize>; 4]], fields: &Fields, settings: &IllustrativeSettings) -> Fields {
-    (0..settings.steps().most).fold(fields.clone(), |fields, k| step(around, &fields, settings, k))
+pub fn diffuse(graph: &Graph, fields: &Fields, settings: &IllustrativeSettings) -> Fields {
+    (0..settings.steps().most).fold(fields.clone(), |fields, k| step(graph, &fields, settings, k))
 }
 
 /// Equations 10 and 11.

@@ -100,14 +100,14 @@ fn t19_touching_faces_sprinkle_halos_only_as_printed() {
 #[test]
 fn a_step_by_hand() {
     let (store, links) = two_sheets();
-    let around = adjacency(&store, &links);
-    assert_eq!(around[1], [Some(3), Some(0), None, None]);
+    let graph = Graph::isotropic(adjacency(&store, &links));
+    assert_eq!(graph.around[1], [Some(3), Some(0), None, None]);
     let base = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6];
     let mut s = settings();
     s.alpha.lambda = 0.5;
     s.beta.lambda = 0.25;
     s.gamma.lambda = 0.2;
-    let next = step(&around, &boundary(&store, &links, &base, false), &s, 0);
+    let next = step(&graph, &boundary(&store, &links, &base, false), &s, 0);
     let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-15, "{a} and {b}");
     // 0.1 + 0.125 · (0.2 − 0.1); 0.2 + 0.125 · ((0.4 − 0.2) + (0.1 − 0.2)).
     near(next.values[0][0], 0.1125);
@@ -120,11 +120,11 @@ fn a_step_by_hand() {
         near(found, expected);
     }
     let none = IllustrativeSettings { iterations: 0, ..s };
-    assert_eq!(step(&around, &boundary(&store, &links, &base, false), &none, 0).values[0][0], 0.1);
+    assert_eq!(step(&graph, &boundary(&store, &links, &base, false), &none, 0).values[0][0], 0.1);
 }
 
-/// A random part of the pixel grid, its neighbours, and fields; without silhouettes everything is free.
-fn subgraph(random: &mut Random) -> (Vec<[Option<usize>; 4]>, Fields) {
+/// A random part of the pixel grid, its links with random conductances, and fields; without silhouettes everything is free.
+fn subgraph(random: &mut Random) -> (Graph, Fields) {
     let (width, height) = (2 + (random.next() * 7.0) as usize, 2 + (random.next() * 7.0) as usize);
     let cut = 0.4 * random.next();
     let mut around = vec![[None; 4]; width * height];
@@ -145,7 +145,17 @@ fn subgraph(random: &mut Random) -> (Vec<[Option<usize>; 4]>, Fields) {
         })
         .collect();
     let fixed = vec![[false; 2]; around.len()];
-    (around, Fields { values, fixed })
+    let mut graph = Graph::isotropic(around);
+    for p in 0..width * height {
+        for d in [Direction::Right, Direction::Down] {
+            if let Some(q) = graph.around[p][d as usize] {
+                let conductance = if random.next() < 0.3 { 1.0 } else { random.next() };
+                graph.conductance[p][d as usize] = conductance;
+                graph.conductance[q][d.opposite() as usize] = conductance;
+            }
+        }
+    }
+    (graph, Fields { values, fixed })
 }
 
 #[test]
@@ -153,23 +163,23 @@ fn t12_heat_keeps_the_maximum_principle_and_the_sum_for_every_lambda() {
     let mut random = Random(1);
     let mut s = settings();
     (s.beta.diffusion, s.gamma.diffusion, s.iterations) = (Diffusion::Heat, Diffusion::Heat, 100);
-    for graph in 0..1000 {
-        let (around, start) = subgraph(&mut random);
+    for number in 0..1000 {
+        let (graph, start) = subgraph(&mut random);
         // Both ends of the range, and something between.
         s.alpha.lambda = 0.9;
         s.beta.lambda = 0.01;
         s.gamma.lambda = 0.01 + 0.89 * random.next();
         let mut fields = start.clone();
         for k in 0..20 {
-            let next = step(&around, &fields, &s, k);
+            let next = step(&graph, &fields, &s, k);
             for c in 0..3 {
                 let column = |f: &Fields| f.values.iter().map(|v| v[c]).collect::<Vec<_>>();
                 let (before, after) = (column(&fields), column(&next));
                 let range = |v: &[f64]| (v.iter().copied().fold(1e9, f64::min), v.iter().copied().fold(-1e9, f64::max));
                 let ((low, high), (l, h)) = (range(&before), range(&after));
-                assert!(l >= low - 1e-12 && h <= high + 1e-12, "graph {graph}, field {c}: {l} {h} of {low} {high}");
+                assert!(l >= low - 1e-12 && h <= high + 1e-12, "graph {number}, field {c}: {l} {h} of {low} {high}");
                 let sums = (before.iter().sum::<f64>(), after.iter().sum::<f64>());
-                assert!((sums.0 - sums.1).abs() < 1e-9 * before.len() as f64, "graph {graph}, field {c}: {sums:?}");
+                assert!((sums.0 - sums.1).abs() < 1e-9 * before.len() as f64, "graph {number}, field {c}: {sums:?}");
             }
             fields = next;
         }
@@ -179,17 +189,17 @@ fn t12_heat_keeps_the_maximum_principle_and_the_sum_for_every_lambda() {
 #[test]
 fn t12_as_printed_a_checkerboard_grows_sevenfold_a_step() {
     let (width, height) = (12, 12);
-    let around: Vec<[Option<usize>; 4]> =
-        (0..width * height).map(|p| Direction::ALL.map(|d| d.step(p, width, height))).collect();
+    let graph =
+        Graph::isotropic((0..width * height).map(|p| Direction::ALL.map(|d| d.step(p, width, height))).collect());
     let values = (0..width * height).map(|p| [((p % width + p / width) % 2) as f64, 0.0, 0.0]).collect();
     let start = Fields { values, fixed: vec![[false; 2]; width * height] };
     let mut s = settings();
     s.iterations = 20;
     let spread = |f: &Fields| f.values.iter().map(|v| v[0].abs()).fold(0.0, f64::max);
-    let ours = (0..20).fold(start.clone(), |f, k| step(&around, &f, &s, k));
+    let ours = (0..20).fold(start.clone(), |f, k| step(&graph, &f, &s, k));
     assert!(spread(&ours) < 0.51);
     s.printed = PrintedForm::Laplacian;
-    let printed = (0..20).fold(start, |f, k| step(&around, &f, &s, k));
+    let printed = (0..20).fold(start, |f, k| step(&graph, &f, &s, k));
     println!("as printed: {:e} after 20 steps", spread(&printed));
     assert!(spread(&printed) > 1e15);
 }
@@ -197,8 +207,8 @@ fn t12_as_printed_a_checkerboard_grows_sevenfold_a_step() {
 #[test]
 fn t16_max_propagation_ends_after_one_over_lambda_steps_and_keeps_what_is_fixed() {
     // A row of 60 with a silhouette at its left end.
-    let around: Vec<[Option<usize>; 4]> =
-        (0..60).map(|p| [(p < 59).then_some(p + 1), (p > 0).then(|| p - 1), None, None]).collect();
+    let around = (0..60).map(|p| [(p < 59).then_some(p + 1), (p > 0).then(|| p - 1), None, None]).collect();
+    let graph = Graph::isotropic(around);
     for lambda in [0.05, 0.07, 0.3, 0.9] {
         let mut s = settings();
         (s.beta.lambda, s.gamma.diffusion, s.alpha.diffusion) = (lambda, Diffusion::None, Diffusion::None);
@@ -207,23 +217,23 @@ fn t16_max_propagation_ends_after_one_over_lambda_steps_and_keeps_what_is_fixed(
         let mut fixed = vec![[false; 2]; 60];
         fixed[0] = [true, false];
         let start = Fields { values, fixed };
-        let end = diffuse(&around, &start, &s);
-        assert_eq!(step(&around, &end, &s, 99), end, "λ = {lambda}: nothing changes any more");
+        let end = diffuse(&graph, &start, &s);
+        assert_eq!(step(&graph, &end, &s, 99), end, "λ = {lambda}: nothing changes any more");
         for (p, v) in end.values.iter().enumerate() {
             assert!((v[1] - (1.0 - lambda * p as f64).max(0.0)).abs() < 1e-9, "λ = {lambda}, {p} from the edge");
         }
         // One step less, and the profile is cut off.
         let reach = (1.0 / lambda - 1e-9) as u32;
-        let short = (0..reach - u32::from(reach > 0)).fold(start.clone(), |f, k| step(&around, &f, &s, k));
+        let short = (0..reach - u32::from(reach > 0)).fold(start.clone(), |f, k| step(&graph, &f, &s, k));
         assert!(reach == 0 || short != end);
 
         // A fragment under an edge holds β = 0 and lets nothing pass; as printed it is overwritten at once.
         let mut under = start.clone();
         under.fixed[1] = [true, false];
-        let ours = diffuse(&around, &under, &s);
+        let ours = diffuse(&graph, &under, &s);
         assert!(ours.values[1..].iter().all(|v| v[1] == 0.0));
         s.printed = PrintedForm::Propagation;
-        assert!((diffuse(&around, &under, &s).values[1][1] - (1.0 - lambda)).abs() < 1e-12);
+        assert!((diffuse(&graph, &under, &s).values[1][1] - (1.0 - lambda)).abs() < 1e-12);
     }
 }
 

@@ -17,6 +17,7 @@
 //! | shading | [`shade`], [`lighting`] | store, lights | lit colour |
 //! | opacity | [`stylize`] | store, lit colour, κ, tables | colour and alpha |
 //! | | [`models`] | store, links | opacity by the other models |
+//! | | [`feature_size`] | store, links | how much flows through each link
 //! | | [`illustration`] | links, base opacity | the fields α, β, γ and opacity |
 //! | composite | [`composite`] | store, colour and alpha | the image |
 //!
@@ -38,6 +39,7 @@ pub mod composite;
 pub mod continuity;
 pub mod curvature;
 pub mod cut;
+pub mod feature_size;
 pub mod illustration;
 pub mod lighting;
 pub mod linked_list;

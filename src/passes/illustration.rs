@@ -10,6 +10,7 @@
 //! - β and γ go on until nothing changes, which the GPU decides; what is fixed stays fixed (T16).
 //! - A step of the layer index counts only if something in front really ends there (T19).
 //! - The bell's limit at p = 0 is its value there (T15); what passes a layer is 1 − α̂ (T14).
+//! - Diffusion can be anisotropic, by local feature size ([`feature_size`]).
 //! - Unknown neighbours, beyond the image or where a k-buffer lost layers, are no silhouettes (T10).
 //!
 //! A layer that ends and lies under another end is a silhouette: the first of the paper's rules wins. Memory a layer: 32 bytes,
@@ -24,6 +25,7 @@ use crate::plan::{FramePlan, Opacity, Pass};
 use crate::settings::{Axis, Diffusion, Effect, IllustrativeSettings, Knob, PrintedForm, Profile};
 
 pub mod cases;
+pub mod feature_size;
 
 const WANTED: (&str, &str) = ("opacity.model", "illustrative");
 
@@ -54,10 +56,17 @@ pub const AXES: &[Axis] = &[
 
 /// Initial and boundary conditions.
 pub const BOUNDARY: Operator = Operator::first("passes/illustration/boundary");
-/// One step of diffusion.
-pub const DIFFUSE: Operator = Operator::local("passes/illustration/diffuse");
+/// One step of isotropic diffusion.
+const DIFFUSE: Operator = Operator::local("passes/illustration/diffuse_isotropic");
+/// One step of diffusion that reaches less far where surfaces are small.
+const DIFFUSE_BY_SIZE: Operator = Operator::local("passes/illustration/diffuse_by_feature_size");
 /// Opacity out of the fields.
 pub const ILLUSTRATE: Operator = Operator::pointwise("passes/illustration/illustrate");
+
+/// One step of diffusion, as planned.
+pub fn diffuse(plan: &FramePlan) -> &'static Operator {
+    if plan.runs(Pass::FeatureSize) { &DIFFUSE_BY_SIZE } else { &DIFFUSE }
+}
 
 /// The uniforms of the settings.
 pub fn parameters(settings: &IllustrativeSettings, opacity: Opacity) -> (IllustrationParameters, StepParameters) {
@@ -89,7 +98,7 @@ pub fn parameters(settings: &IllustrativeSettings, opacity: Opacity) -> (Illustr
             PrintedForm::Propagation => 2,
             PrintedForm::IndexSteps => 3,
         },
-        _pad: 0,
+        feature_size: s.feature_size,
     };
     (fields, StepParameters { always: steps.heat, early_stop: u32::from(s.early_stop), _pad: [0; 2] })
 }
@@ -107,6 +116,9 @@ pub fn illustrate(context: &mut Context<'_>) -> Result<(), GpuError> {
     let Some(illustration) = context.plan.illustration else { return Ok(()) };
     context.per_pixel(Pass::Boundary, &ends_spec(context.plan), "main")?;
     operators::run(context, Pass::Boundary, &BOUNDARY, 0)?;
-    operators::repeat(context, Pass::Diffuse, &DIFFUSE, illustration.most_steps)?;
+    if context.plan.runs(Pass::FeatureSize) {
+        feature_size::measure(context)?;
+    }
+    operators::repeat(context, Pass::Diffuse, diffuse(context.plan), illustration.most_steps)?;
     operators::run(context, Pass::Illustrate, &ILLUSTRATE, illustration.most_steps)
 }

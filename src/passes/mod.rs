@@ -20,7 +20,7 @@ mod uniforms;
 pub use uniforms::{
     BlendParameters, CurvatureParameters, FrameUniform, IllustrationParameters, InstanceUniform, MaterialUniform,
     ModelParameters, OutlineParameters, PartFacts, Sections, ShadeParameters, StepParameters, StoreLayout,
-    TransferParameters,
+    SweepParameters, TransferParameters,
 };
 
 use crate::gpu::{Gpu, GpuError, Recorder, Resources, ShaderSpec, Shaders};
@@ -83,6 +83,14 @@ impl Context<'_> {
         self.plan.size[0]
     }
 
+    /// A bound of the length of any pixel's list.
+    pub fn longest(&self) -> u32 {
+        match self.plan.capture {
+            Capture::BucketedKBuffer { k, .. } => k,
+            Capture::Compacted | Capture::LinkedList { .. } | Capture::None => self.deepest,
+        }
+    }
+
     /// Runs a kernel once for every pixel of the band, in groups of 16×16.
     ///
     /// # Errors
@@ -97,10 +105,7 @@ impl Context<'_> {
     /// # Errors
     /// [`GpuError`] if the shader does not compile or a resource is missing.
     pub fn per_chunk(&mut self, pass: Pass, spec: &ShaderSpec, entry: &str) -> Result<(), GpuError> {
-        let longest = match self.plan.capture {
-            Capture::BucketedKBuffer { k, .. } => k,
-            Capture::Compacted | Capture::LinkedList { .. } | Capture::None => self.deepest,
-        };
+        let longest = self.longest();
         let chunks = longest.div_ceil(features::chunk(self.plan, longest)).max(1);
         let groups = [self.width().div_ceil(16), self.rows().div_ceil(16), chunks];
         self.compute(pass, spec, entry, groups)

@@ -109,7 +109,11 @@ fn shaders_of(plan: &FramePlan, pass: Pass) -> Vec<Used> {
         Pass::Boundary => {
             vec![(illustration::ends_spec(plan), MAIN), (illustration::BOUNDARY.spec(plan), MAIN)]
         }
-        Pass::Diffuse => vec![(operators::next_step_spec(), MAIN), (illustration::DIFFUSE.spec(plan), MAIN)],
+        Pass::FeatureSize => {
+            let sizes = illustration::feature_size::runs_spec(plan);
+            vec![(sizes, MAIN), (illustration::feature_size::chords_spec(plan), MAIN)]
+        }
+        Pass::Diffuse => vec![(operators::next_step_spec(), MAIN), (illustration::diffuse(plan).spec(plan), MAIN)],
         Pass::Illustrate => one(illustration::ILLUSTRATE.spec(plan)),
         Pass::Blend => one(composite::blend_spec(plan)),
         Pass::OutlineMask => drawn(Vertices::Depth, &|v| outline::mask_spec(plan, v)),
@@ -219,10 +223,11 @@ fn all_settings() -> Vec<Settings> {
     let (plain, other): (Vec<Settings>, Vec<Settings>) = all.into_iter().partition(|s| s.features == usual);
     let mut all = plain.clone();
     all.extend(other);
-    for printed in [PrintedForm::None, PrintedForm::Transmittance] {
+    for (printed, feature_size) in [(PrintedForm::None, 0), (PrintedForm::None, 20), (PrintedForm::Transmittance, 0)] {
         all.extend(plain.iter().cloned().map(|mut s| {
             s.opacity.model = OpacityModel::Illustrative;
             s.opacity.illustrative.printed = printed;
+            s.opacity.illustrative.feature_size = feature_size;
             s
         }));
     }

@@ -190,8 +190,20 @@ pub struct IllustrationParameters {
     pub heat_steps: u32,
     /// Which of the paper's forms is followed.
     pub printed: u32,
+    /// Pixels below which a surface is small; 0 for isotropic diffusion.
+    pub feature_size: u32,
+}
+
+/// `Sweep` in `passes/illustration/runs.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct SweepParameters {
+    /// The first pixel of each line.
+    pub first: u32,
+    /// One past the last.
+    pub end: u32,
     /// Unused.
-    pub _pad: u32,
+    pub _pad: [u32; 2],
 }
 
 /// `StepParameters` in `passes/operators/next_step.wgsl`.

@@ -249,6 +249,12 @@ pub(super) fn plan_layers(
         None => draft.skip("boundary, diffuse, illustrate", "opacity does not spread from silhouettes"),
         Some(i) => {
             draft.run(Pass::Boundary, "silhouettes are opaque, and clear behind");
+            match i.feature_size {
+                _ if i.most_steps == 0 => {}
+                0 => draft.skip("feature size", "diffusion is isotropic"),
+                n => draft
+                    .run(Pass::FeatureSize, format!("silhouettes and halos narrow on what is smaller than {n} pixels")),
+            }
             match (i.most_steps, i.heat_steps) {
                 (0, _) => draft.skip("diffuse", "no field spreads"),
                 (most, heat) if most > heat => {

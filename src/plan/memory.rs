@@ -86,6 +86,9 @@ fn columns(plan: &FramePlan) -> Vec<(&'static str, u64)> {
     if plan.runs(Pass::Boundary) {
         all.push(("fields_even", 16));
     }
+    if plan.runs(Pass::FeatureSize) {
+        all.push(("chords", 4));
+    }
     if plan.runs(Pass::Diffuse) {
         all.push(("fields_odd", 16));
     }

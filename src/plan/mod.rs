@@ -205,8 +205,17 @@ pub struct Illustration {
     pub heat_steps: u32,
     /// Most steps; the GPU stops earlier where nothing changes.
     pub most_steps: u32,
+    /// Pixels below which a surface is small and diffusion reaches less far; 0 for isotropic diffusion.
+    pub feature_size: u32,
     /// Whether what passes a layer is 1 − α, as printed (T14).
     pub printed_transmittance: bool,
+}
+
+impl Illustration {
+    /// Rows from which the opacity of a layer is gathered.
+    fn reach(&self) -> u32 {
+        self.most_steps + if self.most_steps > 0 { self.feature_size } else { 0 }
+    }
 }
 
 /// A frame, ready to be executed.
@@ -358,7 +367,8 @@ fn plan_rows(
     let illustration = (settings.opacity.model == OpacityModel::Illustrative).then(|| {
         let (s, steps) = (&settings.opacity.illustrative, settings.opacity.illustrative.steps());
         let printed_transmittance = s.printed == PrintedForm::Transmittance;
-        Illustration { heat_steps: steps.heat, most_steps: steps.most, printed_transmittance }
+        let (heat_steps, most_steps) = (steps.heat, steps.most);
+        Illustration { heat_steps, most_steps, feature_size: s.feature_size, printed_transmittance }
     });
     let all_opaque = matches!(opacity, Opacity::Constant { alpha } if alpha >= 1.0)
         && illustration.is_none()
@@ -397,7 +407,7 @@ fn plan_rows(
     if picked.is_some() {
         draft.passes.retain(|p| !matches!(p.pass, Pass::Blend | Pass::OutlineMask | Pass::Outline));
     }
-    let apron = features.map_or(0, |f| f.reach.max(1)) + illustration.map_or(0, |i| i.most_steps);
+    let apron = features.map_or(0, |f| f.reach.max(1)) + illustration.map_or(0, |i| i.reach());
     let mut plan = FramePlan {
         size,
         samples,

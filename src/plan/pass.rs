@@ -51,6 +51,8 @@ pub enum Pass {
     Stylize,
     /// Where silhouettes are (Carnecky 2013, section 5.3).
     Boundary,
+    /// How long surfaces are, along rows and columns of pixels.
+    FeatureSize,
     /// Silhouettes, halos and base opacity spread along the surface (section 5.4).
     Diffuse,
     /// Opacity out of the three fields (Algorithm 3).
@@ -67,7 +69,7 @@ pub enum Pass {
 
 impl Pass {
     /// All passes, in order.
-    pub const ALL: [Pass; 28] = [
+    pub const ALL: [Pass; 29] = [
         Pass::Opaque,
         Pass::ShowOpaque,
         Pass::Clear,
@@ -90,6 +92,7 @@ impl Pass {
         Pass::Shade,
         Pass::Stylize,
         Pass::Boundary,
+        Pass::FeatureSize,
         Pass::Diffuse,
         Pass::Illustrate,
         Pass::Blend,
@@ -123,6 +126,7 @@ impl Pass {
             Pass::Shade => "shade",
             Pass::Stylize => "stylize",
             Pass::Boundary => "boundary",
+            Pass::FeatureSize => "feature size",
             Pass::Diffuse => "diffuse",
             Pass::Illustrate => "illustrate",
             Pass::Blend => "blend",

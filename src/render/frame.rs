@@ -459,6 +459,8 @@ fn aliases(renderer: &mut Renderer, plan: &FramePlan) {
     // Where blending finds the fields.
     if let Some(i) = plan.illustration {
         renderer.resources.alias("field_in", operators::column_after(i.most_steps));
+        // Free until fields spread.
+        renderer.resources.alias("runs", operators::column_after(1));
     }
     for (alias, name) in [("atomic_keys", "keys"), ("key_words", "keys"), ("pixel_counts", "pixel_table")] {
         renderer.resources.alias(alias, name);

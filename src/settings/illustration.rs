@@ -143,6 +143,8 @@ settings! {
     pub struct IllustrativeSettings {
         /// The opacity with which it begins.
         pub base: BaseOpacity = BaseOpacity::Adaptive, Range::Choice(BaseOpacity::NAMES);
+        /// Pixels below which a surface counts as small: silhouettes and halos on it get narrower with it; 0 for no such limit.
+        pub feature_size: u32 = 0, Range::Integer(0, 255);
         /// Steps of fields that spread as heat.
         pub iterations: u32 = 20, Range::Integer(0, 100);
         /// Base opacity.

@@ -131,6 +131,9 @@ fn fields_equal_the_oracle() {
             "ill.base=normal_variation ill.beta.profile=bell ill.beta.p=50 ill.gamma.profile=power ill.gamma.p=0",
             "ill.base=constant kind=bkb k=4",
             "features.depth_term=continuity ill.early_stop=false",
+            "ill.feature_size=12 ill.iterations=30",
+            "ill.feature_size=40 kind=lists ill.gamma.diffusion=heat",
+            "ill.feature_size=1 kind=bkb k=4",
         ] {
             let what = format!("{name} [{row}]");
             let s = lively_settings(&format!("model=illustrative {row}"));
@@ -189,6 +192,7 @@ fn bands_change_no_bit_of_illustrative_pictures() {
         "model=illustrative ill.iterations=6 ill.beta.lambda=0.2",
         "model=illustrative ill.iterations=4 ill.beta.lambda=0.3 ill.base=curvature radius=0.02 kind=lists",
         "model=illustrative ill.iterations=4 ill.beta.lambda=0.3 ill.base=normal_variation kind=bkb k=6",
+        "model=illustrative ill.iterations=2 ill.beta.lambda=0.5 ill.gamma.lambda=0.5 ill.feature_size=4",
         "model=normal_variation",
         "model=angle_based kind=bkb k=6 tail=average",
     ] {
@@ -205,7 +209,12 @@ fn bands_change_no_bit_of_illustrative_pictures() {
 fn a_picked_pixel_has_the_opacity_of_the_frame() {
     let Some(mut r) = renderer() else { return };
     let (_, scene, camera) = views().swap_remove(0);
-    for row in ["kind=lists", "ill.base=curvature ill.beta.lambda=0.1", "kind=bkb k=5 ill.base=constant"] {
+    for row in [
+        "kind=lists",
+        "kind=lists ill.feature_size=15",
+        "ill.base=curvature ill.beta.lambda=0.1",
+        "kind=bkb k=5 ill.base=constant",
+    ] {
         let s = lively_settings(&format!("model=illustrative {row}"));
         let loaded = r.load(&scene).expect("upload");
         let frame = r.render(&loaded, &camera, &s, SIZE).expect("a frame");

@@ -12,7 +12,7 @@ use pellucid::passes::shaders::{PassShader, RASTER, all_plans, all_shaders};
 use pellucid::passes::{
     BlendParameters, CurvatureParameters, FrameUniform, IllustrationParameters, InstanceUniform, MaterialUniform,
     ModelParameters, OutlineParameters, PartFacts, Sections, ShadeParameters, StepParameters, StoreLayout,
-    TransferParameters,
+    SweepParameters, TransferParameters,
 };
 use pellucid::plan::{Pass, storage_buffers};
 use rayon::prelude::*;
@@ -241,9 +241,10 @@ fn twins() -> Vec<Twin> {
         twin!(TransferParameters = "TransferParameters" { color_mode, gain, constant, ghost }),
         twin!(ModelParameters = "ModelParameters" { share, low, high, scale }),
         twin!(IllustrationParameters = "IllustrationParameters" {
-            lambda, diffusion, profile, p, constant, heat_steps, printed, _pad
+            lambda, diffusion, profile, p, constant, heat_steps, printed, feature_size
         }),
         twin!(StepParameters = "StepParameters" { always, early_stop, _pad }),
+        twin!(SweepParameters = "Sweep" { first, end, _pad }),
         twin!(BlendParameters = "BlendParameters" { opacity, ghost, _pad }),
         twin!(OutlineParameters = "OutlineParameters" { color, width, _pad }),
     ]

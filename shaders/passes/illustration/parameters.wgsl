@@ -13,7 +13,8 @@ struct IllustrationParameters {
     heat_steps: u32,
     // Which of the paper's forms is followed: 1 Laplacian, 2 propagation, 3 index steps.
     printed: u32,
-    _pad: u32,
+    // Pixels below which a surface is small; 0 for isotropic diffusion.
+    feature_size: u32,
 }
 @group(1) @binding(24) var<uniform> illustration: IllustrationParameters;
 
