@@ -15,7 +15,7 @@ use crate::gpu::{Gpu, GpuOptions, PassTime};
 use crate::math::Camera;
 use crate::plan::Pass;
 use crate::scene::Scene;
-use crate::settings::Settings;
+use crate::settings::{OpacityModel, Settings};
 use crate::tradeoff::budget::{self, Afresh, Choice, Goal, Measurements, Options, Verdict};
 use crate::tradeoff::statistics::{Estimate, median};
 use crate::tradeoff::sweep::median_passes;
@@ -181,8 +181,10 @@ fn interleave(
     Ok(())
 }
 
+/// Curvature shading, unless something else is asked for: what the paper's figures measure.
 fn settings_of(changes: &[(&str, String)]) -> Result<Settings, Failure> {
     let mut settings = Settings::default();
+    settings.opacity.model = OpacityModel::Curvature;
     for (path, value) in changes {
         settings.set(path, value).map_err(|e| Failure::of(Exit::General, &e))?;
     }

@@ -75,12 +75,13 @@ impl LookArgs {
             return Err(usage(&"--k is for --capture bucketed_k_buffer: the other captures keep every layer"));
         }
         let bucketed = self.k.map(|_| CaptureKind::BucketedKBuffer.name().to_owned());
-        let curvature = self.transfer.as_ref().map(|_| OpacityModel::Curvature.name().to_owned());
+        if self.transfer.is_some() {
+            settings.opacity.follow_transfer();
+        }
         for (option, path, value) in [
             ("--k", "capture.kind", bucketed),
             ("--k", "capture.bucketed_k_buffer.k", self.k.map(|k| k.to_string())),
             ("--capture", "capture.kind", self.capture.clone()),
-            ("--transfer", "opacity.model", curvature),
             ("--transfer", "opacity.transfer", self.transfer.clone()),
             ("--opacity", "opacity.model", self.opacity.clone()),
             ("--samples", "image.samples", self.samples.map(|n| n.to_string())),
@@ -132,7 +133,7 @@ fn apply_preset(settings: &mut Settings, name: &str) -> Result<(), Failure> {
 
 /// Refuses a broken transfer function before any work is done, where it is used, and says what reading it changed.
 fn check_transfer(settings: &Settings) -> Result<(), Failure> {
-    if settings.opacity.model != OpacityModel::Curvature {
+    if settings.opacity.base_model() != OpacityModel::Curvature {
         return Ok(());
     }
     let imported = settings.opacity.transfer.import(None, None).map_err(|e| failure(&e))?;

@@ -347,7 +347,8 @@ pub fn illustrated(
     settings: &IllustrativeSettings,
 ) -> (illustration::Fields, Vec<f64>) {
     let settings = IllustrativeSettings { printed: PrintedForm::None, ..settings.clone() };
-    let begun = illustration::boundary(store, links, base, false);
+    let base: Vec<f64> = base.iter().map(|b| b * settings.base_gain).collect();
+    let begun = illustration::boundary(store, links, &base, false);
     let fields = illustration::diffuse(&illustration::Graph::of(store, links, &settings), &begun, &settings);
     let opacities = illustration::opacities(&fields, &settings);
     (fields, opacities)

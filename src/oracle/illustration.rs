@@ -156,7 +156,8 @@ pub fn profiled(profile: Profile, u: f64, p: f64) -> f64 {
 pub fn opacities(fields: &Fields, settings: &IllustrativeSettings) -> Vec<f64> {
     let (b, g) = (&settings.beta, &settings.gamma);
     let opacity = |&[alpha, beta, gamma]: &[f64; 3]| {
-        let (beta, gamma) = (profiled(b.profile, beta, b.p), profiled(g.profile, gamma, g.p));
+        let beta = b.strength * profiled(b.profile, beta, b.p);
+        let gamma = g.strength * profiled(g.profile, gamma, g.p);
         ((1.0 - gamma) * (alpha + (1.0 - alpha) * beta)).clamp(0.0, 1.0)
     };
     fields.values.iter().map(opacity).collect()

@@ -87,9 +87,10 @@ pub fn parameters(settings: &IllustrativeSettings, opacity: Opacity) -> (Illustr
         diffusion: [diffusion(s.alpha.diffusion), diffusion(s.beta.diffusion), diffusion(s.gamma.diffusion), 0],
         profile: [0, profile(s.beta.profile), profile(s.gamma.profile), 0],
         p: [0.0, s.beta.p as f32, s.gamma.p as f32, 0.0],
+        strength: [0.0, s.beta.strength as f32, s.gamma.strength as f32, 0.0],
         constant: match opacity {
-            Opacity::Constant { alpha } => alpha as f32,
-            _ => 1.0,
+            Opacity::Constant { alpha } => (alpha * s.base_gain) as f32,
+            _ => s.base_gain as f32,
         },
         heat_steps: steps.heat,
         printed: match s.printed {

@@ -184,7 +184,9 @@ pub struct IllustrationParameters {
     pub profile: [u32; 4],
     /// The profiles' parameters.
     pub p: [f32; 4],
-    /// Opacity of every layer, where the base is constant.
+    /// What is multiplied after the profiles.
+    pub strength: [f32; 4],
+    /// What the base is multiplied with.
     pub constant: f32,
     /// Steps of heat.
     pub heat_steps: u32,

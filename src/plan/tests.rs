@@ -4,6 +4,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::scene::Scene;
+use crate::settings::BaseOpacity;
 use crate::transfer::{ColorFunction, TransferSource};
 
 const SIZE: [u32; 2] = [640, 480];
@@ -28,8 +29,15 @@ fn planned(settings: &Settings, transfer: &TransferFunction) -> FramePlan {
     plan(settings, transfer, &scene(20), &view(), &adapter(), SIZE).unwrap()
 }
 
-fn bucketed(k: u32) -> Settings {
+/// Curvature alone.
+fn stylized() -> Settings {
     let mut settings = Settings::default();
+    settings.opacity.model = OpacityModel::Curvature;
+    settings
+}
+
+fn bucketed(k: u32) -> Settings {
+    let mut settings = stylized();
     settings.capture.kind = CaptureKind::BucketedKBuffer;
     settings.capture.bucketed_k_buffer.k = k;
     settings
@@ -47,7 +55,7 @@ const FEATURES: [Pass; 4] = [Pass::ZReordering, Pass::BucketCreation, Pass::Neig
 
 #[test]
 fn constant_functions_need_no_neighbours_and_no_curvature() {
-    for settings in [Settings::default(), bucketed(8)] {
+    for settings in [stylized(), bucketed(8)] {
         let with = planned(&settings, &usual());
         assert!(FEATURES.iter().all(|p| with.runs(*p)), "{with}");
         assert!(with.features.is_some() && with.runs(Pass::Stylize) && with.apron > 0);
@@ -201,26 +209,31 @@ fn linked_lists_fill_where_compacted_ones_count_and_append() {
 #[test]
 fn illustrative_transparency_needs_neighbours_and_an_apron_as_wide_as_its_steps() {
     let mut settings = Settings::default();
-    settings.opacity.model = OpacityModel::Illustrative;
+    settings.opacity.illustrative.base = BaseOpacity::Adaptive;
     let plan = planned(&settings, &usual());
-    for pass in [Pass::NeighbourLinks, Pass::Stylize, Pass::Boundary, Pass::Diffuse, Pass::Illustrate] {
+    for pass in
+        [Pass::NeighbourLinks, Pass::Stylize, Pass::Boundary, Pass::FeatureSize, Pass::Diffuse, Pass::Illustrate]
+    {
         assert!(plan.runs(pass), "{plan}");
     }
     assert!(!plan.runs(Pass::Curvature) && !names(&plan).contains(&"kappas"), "{plan}");
     assert_eq!(skipped(&plan, "curvature"), "opacity does not depend on curvature");
-    assert_eq!((plan.lit_apron(), plan.apron), (20, 21));
+    assert_eq!((plan.lit_apron(), plan.apron), (20, 20 + 24 + 1));
+    settings.opacity.illustrative.feature_size = 0;
+    assert_eq!(planned(&settings, &usual()).apron, 21);
+    assert_eq!(skipped(&planned(&settings, &usual()), "feature size"), "diffusion is isotropic");
     settings.opacity.illustrative.beta.lambda = 0.01;
-    settings.opacity.illustrative.base = crate::settings::BaseOpacity::Curvature;
+    settings.opacity.illustrative.base = BaseOpacity::Curvature;
     let wide = planned(&settings, &usual());
     assert_eq!(wide.illustration.map(|i| (i.heat_steps, i.most_steps)), Some((20, 100)));
     assert!(wide.runs(Pass::Curvature) && wide.apron == 100 + wide.features.unwrap().reach);
     // An opaque base is still transparent in its halos.
-    settings.opacity.illustrative.base = crate::settings::BaseOpacity::Constant;
+    settings.opacity.illustrative.base = BaseOpacity::Constant;
     settings.opacity.constant = 1.0;
     let opaque = planned(&settings, &usual());
     assert_ne!(opaque.capture, Capture::None);
     assert_eq!(opaque.blend_opacity(), 1.0);
-    let none = planned(&Settings::default(), &usual());
+    let none = planned(&stylized(), &usual());
     assert!(skipped(&none, "illustrate").contains("silhouettes") && none.illustration.is_none());
 }
 

@@ -42,7 +42,7 @@ pub struct Axis {
     pub knob: Knob,
     /// The values compared, as text for [`Settings::set`].
     pub values: &'static [&'static str],
-    /// Settings, path and value, without which the axis changes nothing.
+    /// Settings, path and value, without which the axis changes nothing. An opacity model counts as the base of another too.
     pub matters_if: &'static [(&'static str, &'static str)],
     /// What the values differ in.
     pub effect: Effect,
@@ -59,7 +59,7 @@ impl Axis {
 
     /// Whether a change along the axis changes anything under these settings.
     pub fn matters(&self, settings: &Settings) -> bool {
-        self.matters_if.iter().all(|(path, value)| text_at(settings, path).as_deref() == Some(*value))
+        self.matters_if.iter().all(|(path, value)| holds(settings, path, value))
     }
 }
 
@@ -72,6 +72,12 @@ pub struct Technique {
     pub axes: &'static [Axis],
     /// Names of axes whose values are all combined with each other, besides being varied alone.
     pub crosses: &'static [&'static [&'static str]],
+}
+
+/// Whether a setting has a value; the opacity model has that of the base of illustrative transparency too.
+pub fn holds(settings: &Settings, path: &str, value: &str) -> bool {
+    text_at(settings, path).as_deref() == Some(value)
+        || (path == "opacity.model" && settings.opacity.base_model().name() == value)
 }
 
 /// The value at a path, as [`Settings::set`] takes it.

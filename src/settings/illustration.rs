@@ -8,8 +8,7 @@ use super::{Declaration, OpacityModel, Range};
 choice! {
     /// The opacity with which illustrative transparency begins.
     pub enum BaseOpacity {
-        /// As under `adaptive`. The default.
-        #[default]
+        /// As under `adaptive`.
         Adaptive = "adaptive",
         /// As under `constant`.
         Constant = "constant",
@@ -17,7 +16,8 @@ choice! {
         AngleBased = "angle_based",
         /// As under `normal_variation`.
         NormalVariation = "normal_variation",
-        /// As under `curvature`.
+        /// As under `curvature`. The default.
+        #[default]
         Curvature = "curvature",
     }
 }
@@ -121,6 +121,8 @@ settings! {
         pub profile: Profile = Profile::Power, Range::Choice(Profile::NAMES);
         /// The profile's parameter.
         pub p: f64 = 2.0, Range::Real(0.0, 50.0);
+        /// How opaque silhouettes are; 0 for none.
+        pub strength: f64 = 1.0, Range::Real(0.0, 1.0);
     }
 }
 
@@ -135,6 +137,8 @@ settings! {
         pub profile: Profile = Profile::None, Range::Choice(Profile::NAMES);
         /// The profile's parameter.
         pub p: f64 = 1.0, Range::Real(0.0, 50.0);
+        /// How clear halos are; 0 for none.
+        pub strength: f64 = 1.0, Range::Real(0.0, 1.0);
     }
 }
 
@@ -142,9 +146,11 @@ settings! {
     /// Illustrative transparency.
     pub struct IllustrativeSettings {
         /// The opacity with which it begins.
-        pub base: BaseOpacity = BaseOpacity::Adaptive, Range::Choice(BaseOpacity::NAMES);
+        pub base: BaseOpacity = BaseOpacity::Curvature, Range::Choice(BaseOpacity::NAMES);
+        /// Multiplies it.
+        pub base_gain: f64 = 0.6, Range::Real(0.0, 8.0);
         /// Pixels below which a surface counts as small: silhouettes and halos on it get narrower with it; 0 for no such limit.
-        pub feature_size: u32 = 0, Range::Integer(0, 255);
+        pub feature_size: u32 = 24, Range::Integer(0, 255);
         /// Steps of fields that spread as heat.
         pub iterations: u32 = 20, Range::Integer(0, 100);
         /// Base opacity.

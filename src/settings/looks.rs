@@ -17,6 +17,21 @@ pub struct Look {
 /// Presets of the program itself.
 pub const LOOKS: &[Look] = &[
     Look {
+        name: "pellucid",
+        description: "Shape by curvature, depth order by silhouettes and halos that narrow on what is small. What is drawn \
+                      unless something else is asked for.",
+        toml: "opacity = { model = 'illustrative', gain = 1.0, transfer = 'pellucid', illustrative = { base = 'curvature', \
+               base_gain = 0.6, iterations = 20, feature_size = 24, printed = 'none', \
+               alpha = { diffusion = 'heat', lambda = 0.9 }, \
+               beta = { diffusion = 'max', lambda = 0.05, profile = 'power', p = 2.0, strength = 1.0 }, \
+               gamma = { diffusion = 'max', lambda = 0.2, profile = 'none', p = 1.0, strength = 1.0 } } }",
+    },
+    Look {
+        name: "curvature",
+        description: "Shape alone: colour and opacity by curvature.",
+        toml: "opacity = { model = 'curvature', gain = 1.0, transfer = 'pellucid' }",
+    },
+    Look {
         name: "plain",
         description: "Plain transparency: every layer 0.3 opaque, exactly sorted. Needs no curvature.",
         toml: "opacity = { model = 'constant', constant = 0.3 }",
@@ -30,6 +45,74 @@ pub const LOOKS: &[Look] = &[
             capture = { kind = 'bucketed_k_buffer', normals = 'xy15', bucketed_k_buffer = { k = 16, key = 'packed32' } }
             features.curvature = { kind = 'view_centred', radius = 0.0, crease_angle = 180.0, line_width = 0.0 }
             opacity = { model = 'curvature', transfer = 'murray-6a-7a' }",
+    },
+    Look {
+        name: "figure-9-heat",
+        description: "Carnecky 2013, figure 9: silhouettes and halos that spread as heat (equation 8), 50 iterations.",
+        toml: "opacity = { model = 'illustrative', adaptive = 0.7, illustrative = { base = 'adaptive', base_gain = 1.0, \
+               iterations = 50, feature_size = 0, alpha = { diffusion = 'heat', lambda = 0.9 }, \
+               beta = { diffusion = 'heat', lambda = 0.9, profile = 'none', strength = 1.0 }, \
+               gamma = { diffusion = 'heat', lambda = 0.9, profile = 'none', strength = 1.0 } } }",
+    },
+    Look {
+        name: "figure-9-max",
+        description: "Figure 9: by max-propagation (equation 9), falling off evenly.",
+        toml: "opacity = { model = 'illustrative', adaptive = 0.7, illustrative = { base = 'adaptive', base_gain = 1.0, \
+               iterations = 20, feature_size = 0, alpha = { diffusion = 'heat', lambda = 0.9 }, \
+               beta = { diffusion = 'max', lambda = 0.05, profile = 'none', strength = 1.0 }, \
+               gamma = { diffusion = 'max', lambda = 0.1, profile = 'none', strength = 1.0 } } }",
+    },
+    Look {
+        name: "figure-9-bell",
+        description: "Figure 9: by max-propagation, then a bell (equation 10).",
+        toml: "opacity = { model = 'illustrative', adaptive = 0.7, illustrative = { base = 'adaptive', base_gain = 1.0, \
+               iterations = 20, feature_size = 0, alpha = { diffusion = 'heat', lambda = 0.9 }, \
+               beta = { diffusion = 'max', lambda = 0.05, profile = 'bell', p = 4.0, strength = 1.0 }, \
+               gamma = { diffusion = 'max', lambda = 0.1, profile = 'bell', p = 4.0, strength = 1.0 } } }",
+    },
+    Look {
+        name: "figure-9-power",
+        description: "Figure 9: by max-propagation, then a power (equation 11).",
+        toml: "opacity = { model = 'illustrative', adaptive = 0.7, illustrative = { base = 'adaptive', base_gain = 1.0, \
+               iterations = 20, feature_size = 0, alpha = { diffusion = 'heat', lambda = 0.9 }, \
+               beta = { diffusion = 'max', lambda = 0.05, profile = 'power', p = 2.0, strength = 1.0 }, \
+               gamma = { diffusion = 'max', lambda = 0.1, profile = 'power', p = 2.0, strength = 1.0 } } }",
+    },
+    Look {
+        name: "figure-10",
+        description: "Figure 10: wide halos on white, for a close look.",
+        toml: "image = { background = '#ffffff' }
+               opacity = { model = 'illustrative', constant = 0.3, illustrative = { base = 'constant', base_gain = 1.0, \
+               iterations = 30, feature_size = 0, alpha = { diffusion = 'heat', lambda = 0.9 }, \
+               beta = { diffusion = 'max', lambda = 0.03, profile = 'power', p = 2.0, strength = 1.0 }, \
+               gamma = { diffusion = 'max', lambda = 0.06, profile = 'bell', p = 2.0, strength = 1.0 } } }",
+    },
+    Look {
+        name: "figure-11",
+        description: "Figure 11(e): on white, over a constant opacity.",
+        toml: "image = { background = '#ffffff' }
+               opacity = { model = 'illustrative', constant = 0.3, illustrative = { base = 'constant', base_gain = 1.0, \
+               iterations = 20, feature_size = 0, alpha = { diffusion = 'heat', lambda = 0.9 }, \
+               beta = { diffusion = 'max', lambda = 0.03, profile = 'power', p = 2.0, strength = 1.0 }, \
+               gamma = { diffusion = 'max', lambda = 0.1, profile = 'none', strength = 1.0 } } }",
+    },
+    Look {
+        name: "figure-12",
+        description: "Figure 12: flow surfaces on white; where many sheets lie over each other each is clearer.",
+        toml: "image = { background = '#ffffff' }
+               opacity = { model = 'illustrative', adaptive = 0.8, illustrative = { base = 'adaptive', base_gain = 1.0, \
+               iterations = 50, feature_size = 0, alpha = { diffusion = 'heat', lambda = 0.9 }, \
+               beta = { diffusion = 'max', lambda = 0.04, profile = 'power', p = 2.0, strength = 1.0 }, \
+               gamma = { diffusion = 'max', lambda = 0.12, profile = 'bell', p = 2.0, strength = 1.0 } } }",
+    },
+    Look {
+        name: "figure-13",
+        description: "Figure 13(c): an engine on white; so many silhouettes want no halos.",
+        toml: "image = { background = '#ffffff' }
+               opacity = { model = 'illustrative', adaptive = 0.6, illustrative = { base = 'adaptive', base_gain = 1.0, \
+               iterations = 20, feature_size = 0, alpha = { diffusion = 'heat', lambda = 0.9 }, \
+               beta = { diffusion = 'max', lambda = 0.08, profile = 'power', p = 2.0, strength = 1.0 }, \
+               gamma = { diffusion = 'none', strength = 0.0 } } }",
     },
 ];
 
@@ -56,7 +139,8 @@ pub enum LookError {
 
 /// Names and descriptions of all presets: looks, then transfer functions.
 pub fn presets() -> impl Iterator<Item = (&'static str, &'static str)> {
-    let functions = transfer::presets().into_iter().map(|p| (p.name, p.description));
+    let is_look = |name: &str| LOOKS.iter().any(|l| l.name == name);
+    let functions = transfer::presets().into_iter().map(|p| (p.name, p.description)).filter(move |(n, _)| !is_look(n));
     LOOKS.iter().map(|l| (l.name, l.description)).chain(functions)
 }
 
@@ -82,6 +166,18 @@ pub fn apply(settings: &mut Settings, name: &str) -> Result<(), LookError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn pellucid_is_what_is_drawn_unless_something_else_is_asked_for() {
+        let mut settings = Settings::default();
+        for figure in ["figure-9-bell", "figure-12", "figure-13"] {
+            apply(&mut settings, figure).unwrap();
+        }
+        settings.image = Default::default();
+        settings.opacity.adaptive = Settings::default().opacity.adaptive;
+        apply(&mut settings, "pellucid").unwrap();
+        assert_eq!(settings, Settings::default());
+    }
 
     #[test]
     fn every_preset_applies_and_strangers_are_refused() {

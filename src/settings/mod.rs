@@ -12,7 +12,7 @@ pub mod looks;
 
 use serde::{Deserialize, Serialize};
 
-pub use axis::{Axis, Effect, Knob, Technique, text_at};
+pub use axis::{Axis, Effect, Knob, Technique, holds, text_at};
 pub(crate) use declare::edit_distance;
 pub use declare::{Declaration, Range};
 use declare::{choice, settings};
@@ -161,8 +161,7 @@ choice! {
 choice! {
     /// How the opacity of a layer is found.
     pub enum OpacityModel {
-        /// By transfer functions over curvature and depth (Murray 2016, section 5.2). The default.
-        #[default]
+        /// By transfer functions over curvature and depth (Murray 2016, section 5.2).
         Curvature = "curvature",
         /// The same everywhere.
         Constant = "constant",
@@ -174,7 +173,8 @@ choice! {
         AngleBased = "angle_based",
         /// By how fast the normal turns (Born 2010).
         NormalVariation = "normal_variation",
-        /// Opaque silhouettes and clear halos behind them over another model (Carnecky 2013).
+        /// Opaque silhouettes and clear halos behind them over another model (Carnecky 2013). The default.
+        #[default]
         Illustrative = "illustrative",
     }
 }
@@ -260,7 +260,7 @@ settings! {
     /// Stage 3: opacity and colour of every layer.
     pub struct OpacitySettings {
         /// Opacity model.
-        pub model: OpacityModel = OpacityModel::Curvature, Range::Choice(OpacityModel::NAMES);
+        pub model: OpacityModel = OpacityModel::Illustrative, Range::Choice(OpacityModel::NAMES);
         /// Opacity of every layer under `constant`.
         pub constant: f64 = 0.3, Range::Real(0.0, 1.0);
         /// Transfer functions under `curvature`: a name from `transfer_functions/` or a path.
@@ -366,6 +366,14 @@ impl OpacitySettings {
         match self.model {
             OpacityModel::Illustrative => self.illustrative.base.model(),
             model => model,
+        }
+    }
+
+    /// Makes the transfer functions count: as the base of illustrative transparency if that is the model, or as the model.
+    pub fn follow_transfer(&mut self) {
+        match self.model {
+            OpacityModel::Illustrative => self.illustrative.base = BaseOpacity::Curvature,
+            _ => self.model = OpacityModel::Curvature,
         }
     }
 }

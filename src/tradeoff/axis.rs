@@ -2,7 +2,7 @@
 //! declare.
 
 use crate::passes::TECHNIQUES;
-use crate::settings::{Axis, Effect, Knob, Settings, SettingsError, text_at};
+use crate::settings::{Axis, Effect, Knob, Settings, SettingsError, holds, text_at};
 
 /// Name of the configuration that the user asked for.
 pub const AS_ASKED: &str = "as asked";
@@ -89,7 +89,7 @@ impl Draft {
     /// Takes a value, after what it needs to matter; `None` if that is no technical choice but one of look.
     fn take(mut self, axis: &Axis, value: &str) -> Result<Option<Draft>, SettingsError> {
         for (path, needed) in axis.matters_if {
-            if text_at(&self.settings, path).as_deref() == Some(*needed) {
+            if holds(&self.settings, path, needed) {
                 continue;
             }
             let Some(other) = all().into_iter().find(|a| a.path() == Some(path)) else { return Ok(None) };

@@ -241,7 +241,7 @@ fn twins() -> Vec<Twin> {
         twin!(TransferParameters = "TransferParameters" { color_mode, gain, constant, ghost }),
         twin!(ModelParameters = "ModelParameters" { share, low, high, scale }),
         twin!(IllustrationParameters = "IllustrationParameters" {
-            lambda, diffusion, profile, p, constant, heat_steps, printed, feature_size
+            lambda, diffusion, profile, p, strength, constant, heat_steps, printed, feature_size
         }),
         twin!(StepParameters = "StepParameters" { always, early_stop, _pad }),
         twin!(SweepParameters = "Sweep" { first, end, _pad }),

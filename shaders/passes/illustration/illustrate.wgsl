@@ -31,8 +31,8 @@ fn profiled(u: f32, profile: u32, p: f32) -> f32 {
 
 fn operate(at: Layer, color: vec4<f32>) -> vec4<f32> {
     let field = field_of(at.base + at.index);
-    let beta = profiled(field.y, illustration.profile.y, illustration.p.y);
-    let gamma = profiled(field.z, illustration.profile.z, illustration.p.z);
+    let beta = illustration.strength.y * profiled(field.y, illustration.profile.y, illustration.p.y);
+    let gamma = illustration.strength.z * profiled(field.z, illustration.profile.z, illustration.p.z);
     let alpha = (1.0 - gamma) * (field.x + (1.0 - field.x) * beta);
     return vec4<f32>(color.rgb, clamp(alpha, 0.0, 1.0));
 }

@@ -7,7 +7,9 @@ struct IllustrationParameters {
     // Of the profiles: 0 none, 1 bell, 2 power.
     profile: vec4<u32>,
     p: vec4<f32>,
-    // Opacity of every layer, where the base is constant; 1 otherwise.
+    // What silhouettes and halos are multiplied with after their profiles.
+    strength: vec4<f32>,
+    // What the base is multiplied with: the opacity of every layer where it is constant.
     constant: f32,
     // Steps of heat.
     heat_steps: u32,

@@ -152,7 +152,7 @@ pub fn import(workspace: &mut Workspace, path: &str) {
         (Ok(_), Some(document)) => {
             document.settle();
             document.seen.settings.opacity.transfer = source;
-            document.seen.settings.opacity.model = OpacityModel::Curvature;
+            document.seen.settings.opacity.follow_transfer();
             document.settle();
         }
         (Err(reason), _) => workspace.say(Gravity::Error, reason),
@@ -202,11 +202,11 @@ fn toolbar(ui: &mut Ui, workspace: &mut Workspace, function: Option<&TransferFun
             ui.separator();
             wanted = presets::show(ui, &mut workspace.layout.editors.presets, &settings.opacity.transfer);
             ui.separator();
-            if settings.opacity.model != OpacityModel::Curvature {
-                let name = settings.opacity.model.name();
+            if settings.opacity.base_model() != OpacityModel::Curvature {
+                let name = settings.opacity.base_model().name();
                 ui.label(format!("Opacity is {name}: these functions are not in use."));
                 if ui.button("Use them").clicked() {
-                    settings.opacity.model = OpacityModel::Curvature;
+                    settings.opacity.follow_transfer();
                 }
             }
         }
@@ -222,7 +222,7 @@ fn toolbar(ui: &mut Ui, workspace: &mut Workspace, function: Option<&TransferFun
     });
     if let (Some(name), Some(document)) = (wanted, &mut workspace.document) {
         document.seen.settings.opacity.transfer = TransferSource::Named(name.to_owned());
-        document.seen.settings.opacity.model = OpacityModel::Curvature;
+        document.seen.settings.opacity.follow_transfer();
     }
 }
 

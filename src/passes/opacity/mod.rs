@@ -88,7 +88,8 @@ pub fn model_parameters(settings: &OpacitySettings, size: [u32; 2]) -> ModelPara
 
 /// What the tail behind a k-buffer's layers counts with: it has no neighbours and is taken as flat and facing (T10).
 pub fn tail_opacity(opacity: Opacity, settings: &OpacitySettings, k: u32) -> f64 {
-    match opacity {
+    let gain = if settings.model == OpacityModel::Illustrative { settings.illustrative.base_gain } else { 1.0 };
+    gain * match opacity {
         Opacity::Constant { alpha } => alpha,
         Opacity::Depth | Opacity::Curvature => 1.0,
         Opacity::Adaptive { share } => 1.0 - (1.0 - share).powf(1.0 / f64::from(k.max(1))),
