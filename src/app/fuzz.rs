@@ -200,7 +200,7 @@ impl Desk {
                             assert!(job.form.size.iter().all(|n| (1..=exports::LONGEST_SIDE).contains(n)));
                         }
                     }
-                    Ask::Measure(_) | Ask::StopMeasuring => {}
+                    Ask::Measure(_) | Ask::StopMeasuring | Ask::DrawModels => {}
                     Ask::CancelLoading | Ask::Copy(_) | Ask::Redraw | Ask::CancelExport | Ask::Remember | Ask::Quit => {
                     }
                 }

@@ -34,6 +34,7 @@ pub mod hand;
 pub mod keys;
 pub mod loader;
 pub mod measure;
+pub mod models;
 pub mod panels;
 pub mod picking;
 pub mod pictures;

@@ -25,6 +25,7 @@ use super::dialogs::{self, Chosen};
 use super::exports::Exporting;
 use super::hand::Hand;
 use super::loader::{Loading, Phase};
+use super::models;
 use super::panels::{self, style};
 use super::pictures::{Delivery, Kind, Pictures, supersedes};
 use super::surface::{Drawn, Surface};
@@ -111,6 +112,7 @@ struct Shell {
     loading: Option<Loading>,
     first_file: Option<String>,
     exporting: Option<Exporting>,
+    models: Option<models::Drawing>,
     accuracy: accuracy::Threads,
     hand: Hand,
     /// The order and the pixel for which layers beside the cursor were asked for last.
@@ -164,6 +166,7 @@ impl Shell {
             loading: None,
             first_file: files.first().cloned(),
             exporting: None,
+            models: None,
             accuracy: accuracy::Threads::default(),
             hand: Hand::default(),
             hovered: None,
@@ -230,7 +233,7 @@ impl Shell {
 
     /// Takes what threads have delivered; says whether anything is to be shown.
     fn collect(&mut self) -> bool {
-        let mut changed = self.collect_export() | self.collect_accuracy();
+        let mut changed = self.collect_export() | self.collect_models() | self.collect_accuracy();
         if let Some(loading) = &self.loading {
             changed = true;
             if let Some(result) = loading.take() {
@@ -415,6 +418,7 @@ impl Shell {
             Ok(surface) => {
                 egui.set_max_texture_side((surface.largest() - self.losses % 2) as usize);
                 self.workspace.layout.editors.forget_textures();
+                self.workspace.models.iter_mut().for_each(models::Models::forget_textures);
                 self.workspace.say(Gravity::Notice, "The graphics device was lost and has been opened again.");
                 window.request_redraw();
                 self.open = Some(Open { window, egui, surface });

@@ -17,6 +17,7 @@ use super::editors;
 use super::functions::{Functions, Resolved};
 use super::loader::{HARD_CASE, MADE_IN_MEMORY, Opened};
 use super::measure::Measure;
+use super::models::Models;
 use super::panels::parts::Tree;
 use super::panels::planes;
 use super::pictures::{Counted, Extras, Kind, Picked, Picture, Wish};
@@ -52,6 +53,8 @@ pub enum Ask {
     Export(String),
     /// Stop writing pictures.
     CancelExport,
+    /// Draw the opacity models that are compared.
+    DrawModels,
     /// Measure configurations of what is seen.
     Measure(Wanted),
     /// Stop measuring.
@@ -249,6 +252,8 @@ pub struct Workspace {
     pub measure: Measure,
     /// Pictures that are being written: how many are done, of how many.
     pub exporting: Option<(u32, u32)>,
+    /// Opacity models beside each other, while they are shown.
+    pub models: Option<Models>,
     /// The settings from before a hard case was opened, which has its own.
     settings_before_case: Option<Settings>,
     /// What the panels keep.
@@ -286,6 +291,7 @@ impl Workspace {
             hover: None,
             measure: Measure::default(),
             exporting: None,
+            models: None,
             settings_before_case: None,
             layout: Layout::default(),
             asks: Vec::new(),

@@ -20,11 +20,11 @@ use crate::tradeoff::workbench::RendererBench;
 #[command(next_help_heading = "Promise")]
 pub struct BudgetArgs {
     /// As accurate as possible within this time a frame, as in 33ms or 0.5s: capture, resolution and samples are chosen
-    #[arg(long, value_name = "TIME", value_parser = milliseconds, conflicts_with_all = ["max_error", "compare", "k", "capture", "samples"])]
+    #[arg(long, value_name = "TIME", value_parser = milliseconds, conflicts_with_all = ["max_error", "compare", "compare_opacity", "k", "capture", "samples"])]
     pub budget: Option<f64>,
     /// As fast as possible below this error: mean FLIP, 0 to 1, against the exact picture with 16 samples a pixel or twice
     /// as many as are asked for
-    #[arg(long, value_name = "FLIP", value_parser = flip, conflicts_with_all = ["compare", "k", "capture", "samples"])]
+    #[arg(long, value_name = "FLIP", value_parser = flip, conflicts_with_all = ["compare", "compare_opacity", "k", "capture", "samples"])]
     pub max_error: Option<f64>,
     /// Time for measuring what is not known yet, seconds
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=86_400), default_value_t = 300)]

@@ -35,6 +35,7 @@ use crate::export::png::{read_png, write_png};
 use crate::render::FrameReport;
 use crate::scene::builtin;
 use crate::session::camera_in_scene;
+use crate::settings::looks::opacity_models;
 use crate::settings::{OpacityModel, Settings};
 use crate::tradeoff::budget::{Choice, Goal, Verdict};
 use crate::tradeoff::image_error::resized;
@@ -124,7 +125,7 @@ fn run(command: Command) -> Result<(), Failure> {
     }
 }
 
-/// A picture of `--compare`, or the only one.
+/// A picture of `--compare` or `--compare-opacity`, or the only one.
 struct Take {
     name: &'static str,
     settings: Settings,
@@ -132,8 +133,11 @@ struct Take {
 
 /// The paper's Figures 1 and 9: plain transparency, curvature shading on opaque surfaces, and the look asked for, by default
 /// both together.
-fn takes(settings: Settings, side_by_side: bool) -> Result<Vec<Take>, Failure> {
-    if !side_by_side {
+fn takes(settings: Settings, compare: bool, compare_opacity: bool) -> Result<Vec<Take>, Failure> {
+    if compare_opacity {
+        return Ok(opacity_models(&settings).into_iter().map(|(name, settings)| Take { name, settings }).collect());
+    }
+    if !compare {
         return Ok(vec![Take { name: "picture", settings }]);
     }
     let mut plain = settings.clone();
@@ -196,7 +200,8 @@ fn render(args: &RenderArgs) -> Result<(), Failure> {
     }
     let asked = args.view.asked()?;
     let background = parse_background(&asked.settings.image.background).map_err(|e| Failure::new(Exit::Usage, e))?;
-    let mut takes = takes(asked.settings.clone(), args.compare)?;
+    let mut takes = takes(asked.settings.clone(), args.compare, args.compare_opacity)?;
+    let side_by_side = takes.len() > 1;
     let reference = args.reference.as_deref().map(read_reference).transpose()?;
 
     let progress = Progress::new();
@@ -243,13 +248,13 @@ fn render(args: &RenderArgs) -> Result<(), Failure> {
             session.render(&camera, settings, drawn_size)?;
         }
         let frame = session.render(&camera, settings, drawn_size)?;
-        let subject = if args.compare { format!("{file}: {name}") } else { file.clone() };
+        let subject = if side_by_side { format!("{file}: {name}") } else { file.clone() };
         progress.say(&summary(&subject, drawn_size, &frame.report));
         images.push(resized(&frame.image, *size));
         pictures.push(Picture { name, report: frame.report });
     }
     let image =
-        if args.compare { LinearImage::side_by_side(&images, (size[0] / 100).max(1)) } else { images.remove(0) };
+        if side_by_side { LinearImage::side_by_side(&images, (size[0] / 100).max(1)) } else { images.remove(0) };
 
     progress.stage("writing");
     let png = write_png(&image, background, args.bits).map_err(|e| Failure::of(Exit::General, &e))?;
@@ -341,7 +346,7 @@ mod tests {
         let mut settings = Settings::default();
         settings.opacity.transfer = TransferSource::Named("murray-6a-7b".to_owned());
         settings.opacity.gain = 0.5;
-        let three = takes(settings.clone(), true).unwrap();
+        let three = takes(settings.clone(), true, false).unwrap();
         assert_eq!(three.iter().map(|t| t.name).collect::<Vec<_>>(), ["plain", "opaque", "as asked"]);
         assert_eq!(three[0].settings.opacity.model, OpacityModel::Constant);
         let opaque = &three[1].settings.opacity;
@@ -349,7 +354,7 @@ mod tests {
         assert_eq!((function.opacity.constant(), opaque.gain), (Some(1.0), 1.0));
         assert!(function.color.depends_on_curvature(), "shaded by curvature");
         assert_eq!(three[2].settings, settings);
-        assert_eq!(takes(settings.clone(), false).unwrap()[0].settings, settings);
+        assert_eq!(takes(settings.clone(), false, false).unwrap()[0].settings, settings);
     }
 
     #[test]

@@ -125,6 +125,9 @@ pub struct RenderArgs {
     /// Three pictures side by side: plain transparency, curvature shading on opaque surfaces, and the look asked for
     #[arg(help_heading = "Output", long)]
     pub compare: bool,
+    /// Five pictures side by side, for five opacity models: opaque, constant, angle-based, normal variation, illustrative
+    #[arg(help_heading = "Output", long, conflicts_with_all = ["compare", "reference"])]
+    pub compare_opacity: bool,
     /// Write layer counts, milliseconds per pass and the plan as JSON; - is standard output
     #[arg(help_heading = "Output", long, value_name = "FILE")]
     pub stats: Option<PathBuf>,

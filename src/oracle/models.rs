@@ -1,5 +1,5 @@
 //! Opacity by the models that illustrative transparency is compared with (Carnecky 2013): adaptive (equation 5), by angle
-//! (Hummel 2010), by normal variation (Born 2010).
+//! (Hummel 2010), by normal variation (Born 2010); and equal shares for all layer indices.
 //!
 //! # Choices
 //! - An angle counts from 0 (facing the viewer) to 90 degrees.
@@ -49,8 +49,35 @@ pub fn opacities(store: &StoreData, links: &[[Link; 4]], view: &View, settings: 
             };
             adjacency(store, links).iter().enumerate().map(of).collect()
         }
+        OpacityModel::EqualShare => {
+            let s = &settings.equal_share;
+            let table = equal_shares(&store.counts, s.share, s.least);
+            let pixels = store.pixel_of_fragment();
+            pixels.iter().enumerate().map(|(i, &p)| table[(i - store.offsets[p]).min(table.len() - 1)]).collect()
+        }
         _ => vec![1.0; store.len()],
     }
+}
+
+/// Opacity for each layer index, from the number of layers of every pixel, so that each index is seen as much as any other and
+/// all together cover `share` where there are all of them. Indices that less than `least` of the covered pixels have are as
+/// opaque as the last that more have; 255 indices are told apart.
+pub fn equal_shares(counts: &[u32], share: f64, least: f64) -> Vec<f64> {
+    let pixels = |index: u32| counts.iter().filter(|&&c| c > index).count() as f64;
+    let first = pixels(0);
+    let numbers: Vec<f64> = (0..255).map(pixels).take_while(|&n| n > 0.0 && n >= least * first).collect();
+    let seen = share / numbers.iter().map(|n| 1.0 / n).sum::<f64>();
+    let mut passed = 1.0;
+    let mut table: Vec<f64> = numbers
+        .iter()
+        .map(|n| {
+            let opacity = (seen / n / passed).clamp(0.0, 1.0);
+            passed -= seen / n;
+            opacity
+        })
+        .collect();
+    table.resize(255, table.last().copied().unwrap_or(0.0));
+    table
 }
 
 fn normal(store: &StoreData, i: usize) -> DVec3 {
@@ -76,6 +103,31 @@ mod tests {
             assert!((sum - 0.7).abs() < 1e-12, "equation 6, {n} layers");
         }
         assert_eq!((adaptive(0.0, 3), adaptive(1.0, 3)), (0.0, 1.0));
+    }
+
+    #[test]
+    fn every_layer_index_is_seen_as_much_as_any_other() {
+        // Two pixels of one and two layers: 0.3 of each, then the 0.7 that are left of one.
+        let table = equal_shares(&[1, 2], 0.9, 0.0);
+        assert!((table[0] - 0.3).abs() < 1e-12 && (table[1] - 0.6 / 0.7).abs() < 1e-12);
+        let counts: Vec<u32> = (0..1000).map(|i| (i * 7919) % 13).collect();
+        let table = equal_shares(&counts, 0.8, 0.0);
+        let mut seen = [0.0; 12];
+        for &count in &counts {
+            let mut passed = 1.0;
+            for i in 0..count as usize {
+                seen[i] += passed * table[i];
+                passed *= 1.0 - table[i];
+            }
+            assert!(passed >= 0.2 - 1e-12);
+        }
+        assert!(seen.iter().all(|s| (s - seen[0]).abs() < 1e-9), "{seen:?}");
+        // A single deep pixel does not take the picture for itself.
+        let mut counts = vec![2; 99];
+        counts.push(40);
+        let table = equal_shares(&counts, 0.9, 0.1);
+        assert!((table[0] - 0.45).abs() < 1e-12 && table[39] == table[1]);
+        assert_eq!(equal_shares(&[], 0.9, 0.1), vec![0.0; 255]);
     }
 
     #[test]

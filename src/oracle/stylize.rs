@@ -103,9 +103,10 @@ pub fn stylize(
             let (rgb, alpha) = match settings.base_model() {
                 OpacityModel::Opaque => (lit[i], 1.0),
                 OpacityModel::Constant => (lit[i], settings.constant * material_alpha),
-                OpacityModel::Adaptive | OpacityModel::AngleBased | OpacityModel::NormalVariation => {
-                    (lit[i], material_alpha)
-                }
+                OpacityModel::Adaptive
+                | OpacityModel::AngleBased
+                | OpacityModel::NormalVariation
+                | OpacityModel::EqualShare => (lit[i], material_alpha),
                 OpacityModel::Curvature | OpacityModel::Illustrative => {
                     let opacity = tables.opacity_at(extents.depth01(store.depth[i]), kappa[i].abs());
                     let rgb = apply_color(tables.mode, lit[i], tables.color_at(kappa[i]));

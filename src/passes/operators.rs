@@ -9,6 +9,9 @@
 //!   (`field_of(slot)`) and written to `field_out`, the two columns changing places (ping-pong), so the order of layers does
 //!   not matter; the first operator of a frame reads none. It can be [repeated](repeat): `fn has_changed(own, next) -> bool`
 //!   says whether a step was worth it, and the GPU stops where none was.
+//! - **Global**: `fn gather(at: Layer)` adds to counters (`gathered`) for every layer of the image, `fn settle()` makes a table of
+//!   them (`settled`), and a pointwise operator reads that. A frame in several bands is gathered from all of them before the
+//!   first is lit.
 //!
 //! Which modules give access to the store is added here, so that an operator runs over every capture. A plan whose fields come
 //! from n rows away captures and lights n rows more above and below a band ([`FramePlan::lit_apron`]).
@@ -64,6 +67,56 @@ impl Operator {
         };
         modules.normals(modules.keys(modules.layout(root.with(self.module))))
     }
+}
+
+/// What all layers of the image together say, for a pointwise operator to read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Global {
+    /// The shader module that declares `gather`.
+    pub gather: &'static str,
+    /// The one that declares `settle`.
+    pub settle: &'static str,
+}
+
+/// Bytes of what a global operator gathers, and of the table.
+pub const GATHERED_BYTES: u64 = 4 * 256;
+
+impl Global {
+    /// The shader that gathers.
+    pub fn gather_spec(&self, plan: &FramePlan) -> ShaderSpec {
+        StoreModules::of(plan).layout(ShaderSpec::new("passes/operators/global").with(self.gather))
+    }
+
+    /// The shader that settles.
+    pub fn settle_spec(&self) -> ShaderSpec {
+        ShaderSpec::new("passes/operators/settle").with(self.settle)
+    }
+}
+
+/// Forgets what was gathered.
+///
+/// # Errors
+/// [`GpuError`] of the device.
+pub fn forget(context: &mut Context<'_>, pass: Pass) -> Result<(), GpuError> {
+    let gathered = context.resources.require(pass.name(), "gathered")?;
+    context.recorder.encoder.clear_buffer(gathered, 0, None);
+    Ok(())
+}
+
+/// Gathers from the rows that the band writes.
+///
+/// # Errors
+/// [`GpuError`] of the device.
+pub fn gather(context: &mut Context<'_>, pass: Pass, operator: &Global) -> Result<(), GpuError> {
+    context.per_pixel(pass, &operator.gather_spec(context.plan), "main")
+}
+
+/// Makes the table of what was gathered.
+///
+/// # Errors
+/// [`GpuError`] of the device.
+pub fn settle(context: &mut Context<'_>, pass: Pass, operator: &Global) -> Result<(), GpuError> {
+    context.compute(pass, &operator.settle_spec(), "main", [1, 1, 1])
 }
 
 /// The shader that decides before each step of [`repeat`] whether it is taken.

@@ -105,6 +105,9 @@ fn shaders_of(plan: &FramePlan, pass: Pass) -> Vec<Used> {
         Pass::CutLinks => one(neighbours::cut_spec(plan)),
         Pass::Curvature => plan.features.iter().map(|f| (curvature::spec(plan, f), MAIN)).collect(),
         Pass::Shade => one(shade::spec(plan)),
+        Pass::LayerHistogram => {
+            vec![(opacity::SHARES.gather_spec(plan), MAIN), (opacity::SHARES.settle_spec(), MAIN)]
+        }
         Pass::Stylize => opacity::operator(plan.opacity).iter().flat_map(|o| one(o.spec(plan))).collect(),
         Pass::Boundary => {
             vec![(illustration::ends_spec(plan), MAIN), (illustration::BOUNDARY.spec(plan), MAIN)]

@@ -229,6 +229,7 @@ pub(super) fn plan_layers(
                 OpacityModel::Curvature => "no transfer function varies with curvature",
                 OpacityModel::Constant => "opacity is constant",
                 OpacityModel::Adaptive => "opacity depends on the number of layers alone",
+                OpacityModel::EqualShare => "opacity depends on the numbers of layers alone",
                 OpacityModel::AngleBased => "opacity depends on each layer's own angle",
                 OpacityModel::Opaque | OpacityModel::NormalVariation | OpacityModel::Illustrative => {
                     "opacity does not depend on curvature"
@@ -244,6 +245,10 @@ pub(super) fn plan_layers(
         Opacity::Adaptive { .. } => draft.run(Pass::Stylize, "opacity follows the number of layers"),
         Opacity::AngleBased => draft.run(Pass::Stylize, "opacity follows the angle to the sight line"),
         Opacity::NormalVariation => draft.run(Pass::Stylize, "opacity follows how fast normals turn"),
+        Opacity::EqualShare => {
+            draft.run(Pass::LayerHistogram, "opacity depends on how many layers all pixels have");
+            draft.run(Pass::Stylize, "opacity follows the layer index");
+        }
     }
     match illustration {
         None => draft.skip("boundary, diffuse, illustrate", "opacity does not spread from silhouettes"),

@@ -196,6 +196,8 @@ pub enum Opacity {
     AngleBased,
     /// By how fast the normal turns.
     NormalVariation,
+    /// By layer index, so that each is seen as much as any other in the whole image.
+    EqualShare,
 }
 
 /// Illustrative transparency.
@@ -267,6 +269,11 @@ impl FramePlan {
             Opacity::Constant { alpha } if self.illustration.is_none() => alpha,
             _ => 1.0,
         }
+    }
+
+    /// Whether all of so many bands have to be captured before the first can be lit, because opacity depends on the whole image.
+    pub fn gathers_first(&self, bands: usize) -> bool {
+        bands > 1 && self.runs(Pass::LayerHistogram)
     }
 
     /// Rows above and below those of a band that layers have to be lit in, because their opacity spreads from there.
@@ -407,7 +414,10 @@ fn plan_rows(
     if picked.is_some() {
         draft.passes.retain(|p| !matches!(p.pass, Pass::Blend | Pass::OutlineMask | Pass::Outline));
     }
-    let apron = features.map_or(0, |f| f.reach.max(1)) + illustration.map_or(0, |i| i.reach());
+    // A picked pixel's opacity depends on all others too.
+    let all = picked.is_some() && opacity == Opacity::EqualShare;
+    let apron = if all { width.max(height) } else { 0 }
+        .max(features.map_or(0, |f| f.reach.max(1)) + illustration.map_or(0, |i| i.reach()));
     let mut plan = FramePlan {
         size,
         samples,
@@ -436,6 +446,7 @@ pub fn choose_opacity(settings: &Settings, transfer: &TransferFunction) -> Opaci
         OpacityModel::Adaptive => Opacity::Adaptive { share: settings.opacity.adaptive },
         OpacityModel::AngleBased => Opacity::AngleBased,
         OpacityModel::NormalVariation => Opacity::NormalVariation,
+        OpacityModel::EqualShare => Opacity::EqualShare,
         OpacityModel::Opaque => Opacity::Constant { alpha: 1.0 },
         OpacityModel::Constant => Opacity::Constant { alpha: settings.opacity.constant },
         // No base is illustrative itself.

@@ -47,6 +47,8 @@ pub enum Pass {
     Curvature,
     /// Light.
     Shade,
+    /// How many pixels of the whole image have how many layers.
+    LayerHistogram,
     /// Colour and opacity by transfer functions.
     Stylize,
     /// Where silhouettes are (Carnecky 2013, section 5.3).
@@ -69,7 +71,7 @@ pub enum Pass {
 
 impl Pass {
     /// All passes, in order.
-    pub const ALL: [Pass; 29] = [
+    pub const ALL: [Pass; 30] = [
         Pass::Opaque,
         Pass::ShowOpaque,
         Pass::Clear,
@@ -90,6 +92,7 @@ impl Pass {
         Pass::CutLinks,
         Pass::Curvature,
         Pass::Shade,
+        Pass::LayerHistogram,
         Pass::Stylize,
         Pass::Boundary,
         Pass::FeatureSize,
@@ -124,6 +127,7 @@ impl Pass {
             Pass::CutLinks => "cut links",
             Pass::Curvature => "curvature",
             Pass::Shade => "shade",
+            Pass::LayerHistogram => "layer histogram",
             Pass::Stylize => "stylize",
             Pass::Boundary => "boundary",
             Pass::FeatureSize => "feature size",

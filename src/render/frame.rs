@@ -134,6 +134,14 @@ pub(super) fn draw(
                 work.finish(&mut tally)?;
             }
             Capture::BucketedKBuffer { .. } => {
+                if plan.gathers_first(plan.bands.len()) {
+                    for (i, &band) in plan.bands.iter().enumerate() {
+                        let mut work = Work::new(renderer, &plan, &view, band, &blank)?;
+                        capture_rows(&mut work.context(), scene)?;
+                        opacity::gather(&mut work.context(), i == 0)?;
+                        work.submit_times(&mut tally)?;
+                    }
+                }
                 for &band in &plan.bands {
                     let mut work = Work::new(renderer, &plan, &view, band, &blank)?;
                     let mut context = work.context();
@@ -141,6 +149,9 @@ pub(super) fn draw(
                         context.recorder.encoder.clear_buffer(tail, 0, None);
                     }
                     capture_rows(&mut context, scene)?;
+                    if plan.bands.len() == 1 {
+                        opacity::gather(&mut context, true)?;
+                    }
                     light_layers(&mut context, Kept::Nothing)?;
                     composite::blend(&mut context)?;
                     work.finish(&mut tally)?;
@@ -499,6 +510,10 @@ pub(super) fn bind_settings(
         resources.set("step_parameters", Resource::Buffer(gpu.uniform("steps", &steps)?));
         resources.ensure(&gpu, "steps", 12)?;
         resources.ensure(&gpu, "step_arguments", 12)?;
+    }
+    if plan.runs(Pass::LayerHistogram) {
+        resources.ensure(&gpu, "gathered", operators::GATHERED_BYTES)?;
+        resources.ensure(&gpu, "settled", operators::GATHERED_BYTES)?;
     }
     let models = opacity::model_parameters(&settings.opacity, plan.size);
     resources.set("model_parameters", Resource::Buffer(gpu.uniform("model", &models)?));

@@ -16,7 +16,8 @@ use crate::gpu::{GpuError, Resources};
 use crate::math::{Camera, Sphere};
 use crate::oracle;
 use crate::passes::capture::{BAND_DEEPEST, STATISTICS_WORDS};
-use crate::plan::{self, Capture, FramePlan, ViewStats};
+use crate::passes::opacity;
+use crate::plan::{self, Capture, FramePlan, Pass, ViewStats};
 use crate::scene::{PartLook, PartStyle, Presence};
 use crate::settings::Settings;
 use crate::transfer::TransferFunction;
@@ -182,6 +183,16 @@ impl Renderer {
                 context.recorder.encoder.clear_buffer(tail, 0, None);
             }
             frame::capture_rows(&mut context, scene)?;
+        }
+        if plan.runs(Pass::LayerHistogram) {
+            work.submit_times(&mut tally)?;
+            // From all rows, not the picked one alone.
+            let mut all = Work::new(self, plan, &view, frame::whole(plan), &blank)?;
+            opacity::gather(&mut all.context(), true)?;
+            all.submit_times(&mut tally)?;
+            work = Work::new(self, plan, &view, band, &blank)?;
+            context = work.context();
+            context.deepest = deepest;
         }
         frame::light_layers(&mut context, Kept::Nothing)?;
         work.submit_times(&mut tally)?;

@@ -15,8 +15,8 @@ use super::frame::{Tally, View, Work, ensure_fragments, light_layers, whole};
 use super::{RenderError, Renderer};
 use crate::math::Camera;
 use crate::passes::capture::LayerCounts;
-use crate::passes::composite;
 use crate::passes::geometry::{DrawOrder, GpuScene};
+use crate::passes::{composite, opacity};
 use crate::plan::{Capture, FramePlan, Pass, PlannedBuffer};
 use crate::scene::{Arrangement, PartLook, Presence};
 use crate::settings::{CaptureSettings, FeatureSettings, Settings};
@@ -153,6 +153,7 @@ pub(super) fn draw_stored(
     let mut work = Work::new(renderer, plan, view, whole(plan), blank)?;
     let mut context = work.context();
     context.deepest = deepest;
+    opacity::gather(&mut context, true)?;
     light_layers(&mut context, kept)?;
     composite::blend(&mut context)?;
     work.submit_times(tally)?;

@@ -4,7 +4,7 @@ use super::frame::{Tally, View, Work, capture_counted, count_band, ensure_fragme
 use super::{Kept, RenderError, Renderer};
 use crate::gpu::{GpuError, Resource};
 use crate::passes::capture::{BAND_DEEPEST, STATISTICS_WORDS, linked_list};
-use crate::passes::{StoreLayout, composite};
+use crate::passes::{StoreLayout, composite, opacity};
 use crate::plan::{self, Band, Capture, FramePlan, Pass};
 
 /// Captures all layers: counts, cuts bands that fit, and draws each. Linked lists are filled and counted in one, and filled
@@ -49,22 +49,34 @@ pub(super) fn draw_whole(
         _ => RenderError::RowTooDeep { row, fragments, limit },
     })?;
     let single = bands.len() == 1;
-    for band in bands {
-        let fragments = rows[band.first_row as usize..band.end_row as usize].iter().sum();
-        let lacking = room.is_some_and(|room| fragments > room);
-        ensure_fragments(renderer, plan, fragments, deepest)?;
-        let mut work = Work::new(renderer, plan, view, band, blank)?;
-        let mut context = work.context();
-        context.deepest = deepest;
-        if !single || lacking {
-            count_band(&mut context, view.scene)?;
-            tally.refilled += u32::from(lacking);
+    let mut first = true;
+    // Opacity that depends on the whole image wants all bands captured before the first is lit.
+    let rounds: &[bool] = if plan.gathers_first(bands.len()) { &[false, true] } else { &[true] };
+    for &lights in rounds {
+        for &band in &bands {
+            let fragments = rows[band.first_row as usize..band.end_row as usize].iter().sum();
+            let lacking = room.is_some_and(|room| fragments > room);
+            ensure_fragments(renderer, plan, fragments, deepest)?;
+            let mut work = Work::new(renderer, plan, view, band, blank)?;
+            let mut context = work.context();
+            context.deepest = deepest;
+            if !single || lacking {
+                count_band(&mut context, view.scene)?;
+                tally.refilled += u32::from(lacking && lights);
+            }
+            capture_counted(&mut context, view.scene)?;
+            if !lights || single {
+                opacity::gather(&mut context, std::mem::take(&mut first))?;
+            }
+            if lights {
+                light_layers(&mut context, Kept::Nothing)?;
+                composite::blend(&mut context)?;
+                work.finish(tally)?;
+                tally.room = Some((fragments, deepest));
+            } else {
+                work.submit_times(tally)?;
+            }
         }
-        capture_counted(&mut context, view.scene)?;
-        light_layers(&mut context, Kept::Nothing)?;
-        composite::blend(&mut context)?;
-        work.finish(tally)?;
-        tally.room = Some((fragments, deepest));
     }
     Ok(())
 }

@@ -16,6 +16,8 @@ choice! {
         AngleBased = "angle_based",
         /// As under `normal_variation`.
         NormalVariation = "normal_variation",
+        /// As under `equal_share`.
+        EqualShare = "equal_share",
         /// As under `curvature`. The default.
         #[default]
         Curvature = "curvature",
@@ -30,6 +32,7 @@ impl BaseOpacity {
             BaseOpacity::Constant => OpacityModel::Constant,
             BaseOpacity::AngleBased => OpacityModel::AngleBased,
             BaseOpacity::NormalVariation => OpacityModel::NormalVariation,
+            BaseOpacity::EqualShare => OpacityModel::EqualShare,
             BaseOpacity::Curvature => OpacityModel::Curvature,
         }
     }
@@ -97,6 +100,16 @@ settings! {
         pub high: f64 = 0.95, Range::Real(0.0, 1.0);
         /// Sensitivity: times the turn over the image's shorter side.
         pub scale: f64 = 0.1, Range::Real(0.0, 100.0);
+    }
+}
+
+settings! {
+    /// Every layer index seen as much as any other, over the whole image.
+    pub struct EqualShareSettings {
+        /// Opacity of all layers together, where there are many.
+        pub share: f64 = 0.9, Range::Real(0.0, 1.0);
+        /// Share of the pixels that must have a layer index for it to count as one of its own.
+        pub least: f64 = 0.1, Range::Real(0.0, 1.0);
     }
 }
 

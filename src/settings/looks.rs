@@ -163,6 +163,23 @@ pub fn apply(settings: &mut Settings, name: &str) -> Result<(), LookError> {
     Ok(())
 }
 
+/// The five opacity models of Carnecky 2013, Figure 11, everything else as it is: name and settings. The last is illustrative
+/// transparency as it is set.
+pub fn opacity_models(settings: &Settings) -> [(&'static str, Settings); 5] {
+    [
+        ("opaque", OpacityModel::Opaque),
+        ("constant", OpacityModel::Constant),
+        ("angle-based", OpacityModel::AngleBased),
+        ("normal variation", OpacityModel::NormalVariation),
+        ("illustrative", OpacityModel::Illustrative),
+    ]
+    .map(|(name, model)| {
+        let mut settings = settings.clone();
+        settings.opacity.model = model;
+        (name, settings)
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

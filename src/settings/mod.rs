@@ -17,8 +17,8 @@ pub(crate) use declare::edit_distance;
 pub use declare::{Declaration, Range};
 use declare::{choice, settings};
 pub use illustration::{
-    AlphaSettings, AngleSettings, BaseOpacity, BetaSettings, Diffusion, GammaSettings, IllustrativeSettings,
-    PrintedForm, Profile, Steps, VariationSettings,
+    AlphaSettings, AngleSettings, BaseOpacity, BetaSettings, Diffusion, EqualShareSettings, GammaSettings,
+    IllustrativeSettings, PrintedForm, Profile, Steps, VariationSettings,
 };
 
 use crate::transfer::TransferSource;
@@ -173,6 +173,8 @@ choice! {
         AngleBased = "angle_based",
         /// By how fast the normal turns (Born 2010).
         NormalVariation = "normal_variation",
+        /// Every layer index is seen as much as any other, over the whole image.
+        EqualShare = "equal_share",
         /// Opaque silhouettes and clear halos behind them over another model (Carnecky 2013). The default.
         #[default]
         Illustrative = "illustrative",
@@ -275,6 +277,8 @@ settings! {
         pub group angle: AngleSettings;
         /// Opacity by normal variation.
         pub group variation: VariationSettings;
+        /// Equal shares.
+        pub group equal_share: EqualShareSettings;
         /// Illustrative transparency.
         pub group illustrative: IllustrativeSettings;
     }

@@ -318,7 +318,7 @@ fn picking_is_the_same_where_pictures_take_bands() {
     for (r, what) in [(renderer(), "whole"), (small_renderer(), "in bands")] {
         let Some(mut r) = r else { return };
         let loaded = load(&mut r, &scene, &arrangement);
-        let settings = Settings::default();
+        let settings = settings("");
         let bands = r.render(&loaded, &camera, &settings, size).expect("a frame").report.bands;
         assert_eq!(bands > 1, what == "in bands");
         let begin = std::time::Instant::now();

@@ -65,6 +65,8 @@ fn models_equal_the_oracle() {
             "model=angle_based",
             "model=normal_variation",
             "model=adaptive opacity.adaptive=1",
+            "model=equal_share",
+            "model=equal_share opacity.equal_share.share=1 opacity.equal_share.least=0",
         ] {
             for capture in ["", "kind=lists", "kind=bkb k=5", "kind=bkb k=5 key=packed32", "search=brute_force"] {
                 let what = format!("{name}, {model} {capture}");
@@ -115,7 +117,7 @@ fn fixed_of(field: &[f32; 4]) -> [bool; 2] {
 #[test]
 fn fields_equal_the_oracle() {
     let Some(mut r) = renderer() else { return };
-    let still = "ill.alpha.diffusion=none ill.beta.diffusion=none ill.gamma.diffusion=none";
+    let still = "ill.alpha.diffusion=none ill.beta.diffusion=none ill.gamma.diffusion=none ill.base_gain=1";
     for (name, scene, camera) in views() {
         for row in [
             still,
@@ -189,11 +191,15 @@ fn bands_change_no_bit_of_illustrative_pictures() {
     let (Some(mut r), Some(mut small)) = (renderer(), small_renderer()) else { return };
     let (_, scene, camera) = views().swap_remove(0);
     for row in [
-        "model=illustrative ill.iterations=6 ill.beta.lambda=0.2",
-        "model=illustrative ill.iterations=4 ill.beta.lambda=0.3 ill.base=curvature radius=0.02 kind=lists",
-        "model=illustrative ill.iterations=4 ill.beta.lambda=0.3 ill.base=normal_variation kind=bkb k=6",
+        "model=illustrative ill.iterations=6 ill.beta.lambda=0.2 ill.feature_size=0",
+        "model=illustrative ill.iterations=4 ill.beta.lambda=0.3 ill.base=curvature ill.feature_size=0 radius=0.02 kind=lists",
+        "model=illustrative ill.iterations=4 ill.beta.lambda=0.3 ill.base=normal_variation ill.feature_size=0 kind=bkb k=6",
         "model=illustrative ill.iterations=2 ill.beta.lambda=0.5 ill.gamma.lambda=0.5 ill.feature_size=4",
         "model=normal_variation",
+        "model=equal_share",
+        "model=equal_share kind=lists",
+        "model=equal_share kind=bkb k=6",
+        "model=illustrative ill.iterations=4 ill.beta.lambda=0.3 ill.feature_size=0 ill.base=equal_share",
         "model=angle_based kind=bkb k=6 tail=average",
     ] {
         let s = lively_settings(row);

@@ -7,7 +7,7 @@ use crate::app::command_line;
 use crate::app::config::Theme;
 use crate::app::dialogs::Choice;
 use crate::app::loader::HARD_CASE;
-use crate::app::panels::{export, selection, style, views};
+use crate::app::panels::{export, models, selection, style, views};
 use crate::app::workspace::{Ask, Gravity, Workspace};
 use crate::scene::{Presence, builtin};
 use crate::settings::looks;
@@ -203,6 +203,11 @@ fn view(ui: &mut Ui, workspace: &mut Workspace) {
         }
     });
     ui.separator();
+    ui.add_enabled_ui(workspace.document.is_some(), |ui| {
+        if ui.add(Button::selectable(workspace.models.is_some(), "Compare opacity models")).clicked() {
+            models::toggle(workspace);
+        }
+    });
     let before = workspace.preferences.clone();
     let preferences = &mut workspace.preferences;
     ui.checkbox(&mut preferences.parts, "Parts");

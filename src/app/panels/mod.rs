@@ -6,6 +6,7 @@ pub mod export;
 pub mod measure;
 pub mod menu;
 pub mod messages;
+pub mod models;
 pub mod parts;
 pub mod plan;
 pub mod planes;
@@ -95,6 +96,7 @@ fn picture(ui: &mut Ui, workspace: &mut Workspace) {
     measure::overlay(ui, rect, workspace);
     messages::show(ui, rect, workspace);
     export::show(ui, rect, workspace);
+    models::show(ui, rect, workspace);
     measure::show(ui, rect, workspace);
     stack::show(ui, rect, workspace);
 }

@@ -11,6 +11,7 @@ use super::{Event, Shell};
 use crate::app::camera::{Button, Held};
 use crate::app::exports::{Exporting, Job};
 use crate::app::hand::WHEEL_RESTS;
+use crate::app::models;
 use crate::app::pictures::{PickOrder, Wish};
 use crate::app::workspace::{Ask, Gravity};
 use crate::app::{config, dialogs, keys};
@@ -38,6 +39,10 @@ impl Shell {
                 Ask::Redraw => {}
                 Ask::Pick(pixel, wish) => self.pick(pixel, wish),
                 Ask::Export(path) => self.export(&path),
+                Ask::DrawModels => {
+                    let job = models::Job::of(&self.workspace);
+                    self.models = job.map(|job| models::Drawing::begin(job, self.waker()));
+                }
                 Ask::Measure(wanted) => self.measure(wanted),
                 Ask::StopMeasuring => self.accuracy.stop(),
                 Ask::CancelExport => {
@@ -128,6 +133,18 @@ impl Shell {
         }
         self.workspace.exporting = self.exporting.as_ref().map(|e| (e.done(), e.count));
         self.workspace.exporting != before
+    }
+
+    /// Takes the pictures of opacity models; says whether anything is to be shown.
+    pub(super) fn collect_models(&mut self) -> bool {
+        let Some(models) = &mut self.workspace.models else {
+            self.models = None;
+            return false;
+        };
+        let drawn = self.models.as_ref().map(models::Drawing::take).unwrap_or_default();
+        let any = !drawn.is_empty();
+        drawn.into_iter().for_each(|outcome| models.take(outcome));
+        any
     }
 
     /// A key; says whether it means anything.

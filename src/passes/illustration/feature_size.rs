@@ -36,7 +36,7 @@ pub fn measure(context: &mut Context<'_>) -> Result<(), GpuError> {
     let (width, rows) = (context.width(), context.rows());
     let kernel = context.shaders.kernel(&runs_spec(context.plan), "main")?;
     let lines = width.max(rows).div_ceil(64);
-    let piece = (ROUNDS / (context.longest() + 1)).max(1);
+    let piece = (ROUNDS / context.longest().saturating_add(1)).max(1);
     for first in (0..width.max(rows)).step_by(piece as usize) {
         let sweep = SweepParameters { first, end: first + piece, _pad: [0; 2] };
         let mut resources = context.resources.clone();

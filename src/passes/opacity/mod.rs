@@ -9,10 +9,11 @@
 //! The models that illustrative transparency is compared with (Carnecky 2013): `Adaptive` (equation 5), which gives all layers of
 //! a pixel together the same opacity everywhere; `AngleBased` (Hummel 2010), from the angle between normal and sight line;
 //! `NormalVariation` (Born 2010), from how fast the normal turns across the image's shorter side, between real neighbours
-//! instead of by screen derivatives. All multiply the material's own opacity.
+//! instead of by screen derivatives. `EqualShare`, a global operator: every layer index is seen as much as any other, by a
+//! histogram of how many layers the pixels have. All multiply the material's own opacity.
 
 use crate::gpu::{Gpu, GpuError};
-use crate::passes::operators::{self, Operator};
+use crate::passes::operators::{self, Global, Operator};
 use crate::passes::{Context, ModelParameters, TransferParameters};
 use crate::plan::{FramePlan, Opacity, Pass};
 use crate::scene::hard_case::{CaseCamera, Contrast, HardCase, Measure, Method, Source};
@@ -29,13 +30,14 @@ pub const CASES: &[HardCase] = &[HardCase {
     scene: Source::Builtin("builtin:hard/assembly?seed=3"),
     camera: CaseCamera::CORNER,
     size: [56, 56],
-    ours: Method::of("gain 8", "opacity.gain=8 features.curvature.scale=1000"),
+    ours: Method::of("gain 8", "opacity.model=curvature opacity.gain=8 features.curvature.scale=1000"),
     contrast: Some(Contrast::Planted(
-        Method::of("clamped too early", "opacity.gain=8 features.curvature.scale=1000").changed(
-            "passes/opacity/transfer",
-            "return transfer.gain * mix(mix(a, b, t.x), mix(c, d, t.x), t.y);",
-            "return min(1.0, transfer.gain * mix(mix(a, b, t.x), mix(c, d, t.x), t.y));",
-        ),
+        Method::of("clamped too early", "opacity.model=curvature opacity.gain=8 features.curvature.scale=1000")
+            .changed(
+                "passes/opacity/transfer",
+                "return transfer.gain * mix(mix(a, b, t.x), mix(c, d, t.x), t.y);",
+                "return min(1.0, transfer.gain * mix(mix(a, b, t.x), mix(c, d, t.x), t.y));",
+            ),
     )),
     measure: Measure::StyleError,
     bound: 1.0,
@@ -81,9 +83,14 @@ pub fn model_parameters(settings: &OpacitySettings, size: [u32; 2]) -> ModelPara
             let s = &settings.variation;
             (s.low, s.high, s.scale * f64::from(size[0].min(size[1])))
         }
+        OpacityModel::EqualShare => (settings.equal_share.least, 0.0, 0.0),
         _ => (settings.angle.low, settings.angle.high, 0.0),
     };
-    ModelParameters { share: settings.adaptive as f32, low: low as f32, high: high as f32, scale: scale as f32 }
+    let share = match settings.base_model() {
+        OpacityModel::EqualShare => settings.equal_share.share,
+        _ => settings.adaptive,
+    };
+    ModelParameters { share: share as f32, low: low as f32, high: high as f32, scale: scale as f32 }
 }
 
 /// What the tail behind a k-buffer's layers counts with: it has no neighbours and is taken as flat and facing (T10).
@@ -95,6 +102,7 @@ pub fn tail_opacity(opacity: Opacity, settings: &OpacitySettings, k: u32) -> f64
         Opacity::Adaptive { share } => 1.0 - (1.0 - share).powf(1.0 / f64::from(k.max(1))),
         Opacity::AngleBased => settings.angle.low,
         Opacity::NormalVariation => settings.variation.low,
+        Opacity::EqualShare => settings.equal_share.share,
     }
 }
 
@@ -107,7 +115,27 @@ pub fn operator(opacity: Opacity) -> Option<Operator> {
         Opacity::Adaptive { .. } => Some(Operator::pointwise("passes/opacity/adaptive")),
         Opacity::AngleBased => Some(Operator::pointwise("passes/opacity/angle_based")),
         Opacity::NormalVariation => Some(Operator::pointwise("passes/opacity/normal_variation")),
+        Opacity::EqualShare => Some(Operator::pointwise("passes/opacity/equal_share")),
     }
+}
+
+/// What is gathered for equal shares.
+pub const SHARES: Global =
+    Global { gather: "passes/opacity/equal_share_gather", settle: "passes/opacity/equal_share_settle" };
+
+/// Gathers what the opacity of the whole image depends on, if it does, from the rows that this band writes. What the bands
+/// before it gathered is forgotten at the `first`.
+///
+/// # Errors
+/// [`GpuError`] of the device.
+pub fn gather(context: &mut Context<'_>, first: bool) -> Result<(), GpuError> {
+    if !context.plan.runs(Pass::LayerHistogram) {
+        return Ok(());
+    }
+    if first {
+        operators::forget(context, Pass::LayerHistogram)?;
+    }
+    operators::gather(context, Pass::LayerHistogram, &SHARES)
 }
 
 /// Colour and opacity of every layer.
@@ -115,6 +143,9 @@ pub fn operator(opacity: Opacity) -> Option<Operator> {
 /// # Errors
 /// [`GpuError`] of the device.
 pub fn stylize(context: &mut Context<'_>) -> Result<(), GpuError> {
+    if context.plan.runs(Pass::LayerHistogram) {
+        operators::settle(context, Pass::LayerHistogram, &SHARES)?;
+    }
     match operator(context.plan.opacity) {
         Some(operator) => operators::run(context, Pass::Stylize, &operator, 0),
         None => Ok(()),

@@ -7,6 +7,7 @@ use super::*;
 use crate::app::camera::Habits;
 use crate::app::config::Theme;
 use crate::app::exports::Form;
+use crate::app::models;
 use crate::app::pictures::Kind;
 use crate::app::viewport::Shown;
 use crate::app::workspace::{LoadingView, OnScreen, Prompt};
@@ -347,4 +348,25 @@ fn the_measure_panel_chooses_the_layer_of_an_end() {
     window.get_by_label("Length 4");
     click(&mut window, "Close window");
     assert!(!window.state().measure.on);
+}
+
+#[test]
+fn opacity_models_are_taken_by_a_click() {
+    let mut window = harness(workspace("stack"));
+    choose(&mut window, "View", "Compare opacity models");
+    let model = OpacityModel::AngleBased;
+    let image = egui::ColorImage::filled([30, 20], egui::Color32::GRAY);
+    let picture = models::Picture { name: "angle-based", model, image, texture: None };
+    window.state_mut().models.as_mut().unwrap().take(Ok(picture));
+    window.run();
+    click(&mut window, "angle-based");
+    assert_eq!(seen(&window).settings.opacity.model, model);
+    window.state_mut().undo();
+    window.run();
+    assert_eq!(seen(&window).settings, Settings::default());
+    window.state_mut().models.as_mut().unwrap().take(Err("no adapter".to_owned()));
+    window.run();
+    window.get_by_label("no adapter");
+    click(&mut window, "Close window");
+    assert!(window.state().models.is_none());
 }
