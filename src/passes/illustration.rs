@@ -46,6 +46,13 @@ pub const AXES: &[Axis] = &[
         effect: Effect::Look,
     },
     Axis {
+        name: "feature-size",
+        knob: Knob::Setting("opacity.illustrative.feature_size"),
+        values: &["0", "24", "60"],
+        matters_if: &[WANTED],
+        effect: Effect::Look,
+    },
+    Axis {
         name: "early-stop",
         knob: Knob::Setting("opacity.illustrative.early_stop"),
         values: &["true", "false"],

@@ -102,6 +102,35 @@ pub const CASES: &[HardCase] = &[
         bound: 1e-5,
     },
     HardCase {
+        name: "narrow-surfaces",
+        trap: "T13",
+        why: "Diffusion by local feature size: how much flows through a link must be the same from both of its ends, or values \
+              drift towards whatever is wider. A chord ends at other places along one axis than along the other, and the two \
+              layers of a link need not have the same one: the smaller of both counts.",
+        scene: Builtin("builtin:hard/assembly?seed=3"),
+        camera: CaseCamera::CORNER,
+        size: [56, 56],
+        ours: Method::of(
+            "the smaller chord",
+            "opacity.model=illustrative opacity.illustrative.base=angle_based opacity.illustrative.feature_size=30 \
+             opacity.illustrative.iterations=50",
+        ),
+        contrast: Some(Planted(
+            Method::of(
+                "each its own",
+                "opacity.model=illustrative opacity.illustrative.base=angle_based opacity.illustrative.feature_size=30 \
+                 opacity.illustrative.iterations=50",
+            )
+            .changed(
+                "passes/illustration/chords",
+                "let chord = select(vec4<u32>(illustration.feature_size), smaller, around.there);",
+                "let chord = select(vec4<u32>(illustration.feature_size), own.xxyy, around.there);",
+            ),
+        )),
+        measure: Measure::FieldError,
+        bound: 1e-5,
+    },
+    HardCase {
         name: "t19-touching-faces",
         trap: "T19",
         why: "Two sheets in one place, as where parts of an assembly touch: which of them lies in front changes from pixel to \
