@@ -130,7 +130,7 @@ fn fields_equal_the_oracle() {
             "ill.alpha.diffusion=max ill.alpha.lambda=0.1 ill.gamma.diffusion=none",
             "ill.base=curvature kind=lists",
             "ill.base=angle_based ill.beta.profile=bell ill.beta.p=0 ill.gamma.profile=bell ill.gamma.p=0.00000001",
-            "ill.base=normal_variation ill.beta.profile=bell ill.beta.p=50 ill.gamma.profile=power ill.gamma.p=0",
+            "ill.base=normal_variation ill.beta.profile=bell ill.beta.p=50 ill.gamma.profile=power ill.gamma.p=0 ill.feature_size=0",
             "ill.base=constant kind=bkb k=4",
             "features.depth_term=continuity ill.early_stop=false",
             "ill.feature_size=12 ill.iterations=30",
