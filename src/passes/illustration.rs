@@ -12,8 +12,8 @@
 //! - The bell's limit at p = 0 is its value there (T15); what passes a layer is 1 − α̂ (T14).
 //! - Unknown neighbours, beyond the image or where a k-buffer lost layers, are no silhouettes (T10).
 //!
-//! A layer that ends and lies under another end is a silhouette: the first of the paper's rules wins. Memory a layer: 32 bytes,
-//! the fields twice; and 8 a pixel. Both fields and base opacity come from as many rows away as steps are taken, so bands have
+//! A layer that ends and lies under another end is a silhouette: the first of the paper's rules wins. Memory a layer: 48 bytes,
+//! the fields twice and the slots of the neighbours (52 in rows, whose layers are listed besides); and 8 a pixel. Both fields and base opacity come from as many rows away as steps are taken, so bands have
 //! an apron as wide.
 
 use crate::gpu::{GpuError, ShaderSpec};
@@ -55,7 +55,7 @@ pub const AXES: &[Axis] = &[
 /// Initial and boundary conditions.
 pub const BOUNDARY: Operator = Operator::first("passes/illustration/boundary");
 /// One step of diffusion.
-pub const DIFFUSE: Operator = Operator::local("passes/illustration/diffuse");
+pub const DIFFUSE: Operator = Operator::repeated("passes/illustration/diffuse");
 /// Opacity out of the fields.
 pub const ILLUSTRATE: Operator = Operator::pointwise("passes/illustration/illustrate");
 

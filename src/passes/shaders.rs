@@ -109,7 +109,7 @@ fn shaders_of(plan: &FramePlan, pass: Pass) -> Vec<Used> {
         Pass::Boundary => {
             vec![(illustration::ends_spec(plan), MAIN), (illustration::BOUNDARY.spec(plan), MAIN)]
         }
-        Pass::Diffuse => vec![(operators::next_step_spec(), MAIN), (illustration::DIFFUSE.spec(plan), MAIN)],
+        Pass::Diffuse => vec![(operators::next_step_spec(plan), MAIN), (illustration::DIFFUSE.spec(plan), MAIN)],
         Pass::Illustrate => one(illustration::ILLUSTRATE.spec(plan)),
         Pass::Blend => one(composite::blend_spec(plan)),
         Pass::OutlineMask => drawn(Vertices::Depth, &|v| outline::mask_spec(plan, v)),
