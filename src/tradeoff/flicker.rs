@@ -1,7 +1,7 @@
 //! Flicker: how much of a picture changes from frame to frame that no motion explains.
 //!
 //! The camera goes round the model in small steps. Each frame is brought to the next by the depth of the surface that weighs most
-//! in each pixel, where both frames see that surface, and compared with it there. What still changes is light, parallax of the
+//! in each pixel, if it weighs a tenth, where both frames see that surface, and compared with it there. What still changes is light, parallax of the
 //! layers behind, and flicker. The same orbit with many samples a pixel has the first two and little of the third, and is compared
 //! over the same pixels: their ratio is what one sample adds.
 //!
@@ -19,12 +19,16 @@ use crate::settings::Settings;
 /// Changes from this on, in sRGB values from 0 to 1, are seen on their own: 8 steps of 255.
 pub const STRONG: f64 = 8.0 / 255.0;
 
+/// Least weight of a surface, of 1 for the whole pixel, by which a pixel is followed. What is clearer shows the background, which does
+/// not move.
+const LEAST_WEIGHT: f64 = 0.1;
+
 /// Where the surface that weighs most in each pixel lies.
 #[derive(Clone, Debug)]
 pub struct Seen {
     camera: Camera,
     size: [u32; 2],
-    /// Depth, scene units; infinite where the background weighs more than any surface.
+    /// Depth, scene units; infinite where no surface weighs enough.
     depth: Vec<f64>,
 }
 
@@ -33,7 +37,7 @@ impl Seen {
     pub fn new(camera: &Camera, store: &StoreData, opacities: &[f64]) -> Seen {
         let depth = (0..store.counts.len())
             .map(|pixel| {
-                let (mut left, mut best) = (1.0, (0.0, f64::INFINITY));
+                let (mut left, mut best) = (1.0, (LEAST_WEIGHT, f64::INFINITY));
                 for i in store.range(pixel) {
                     let weight = left * opacities[i];
                     left *= 1.0 - opacities[i];
@@ -41,7 +45,7 @@ impl Seen {
                         best = (weight, store.depth[i]);
                     }
                 }
-                if best.0 > left { best.1 } else { f64::INFINITY }
+                best.1
             })
             .collect();
         Seen { camera: *camera, size: [store.width, store.height], depth }
@@ -259,7 +263,7 @@ mod tests {
             store.counts.push(2);
             store.depth.extend([0.5 * depth, depth]);
         }
-        let opacities = [0.1, opacity].repeat(store.counts.len());
+        let opacities = [0.05, opacity].repeat(store.counts.len());
         Seen::new(camera, &store, &opacities)
     }
 
@@ -297,7 +301,7 @@ mod tests {
     fn what_weighs_most_is_followed_and_what_the_other_frame_does_not_see_is_left_out() {
         let front = plane(&camera(), 0.9);
         assert!((front.depth[0] - 4.0).abs() < 1e-9);
-        let background = plane(&camera(), 0.2);
+        let background = plane(&camera(), 0.08);
         assert!(background.depth.iter().all(|d| d.is_infinite()));
         assert!(front.brought_to(&background).iter().all(Vec::is_empty));
         let mut hidden = front.clone();
