@@ -24,6 +24,11 @@ fn layer_count(pixel: u32) -> u32 {
     return min(pixel_table[pixel + 1u], store_layout.capacity) - min(pixel_table[pixel], store_layout.capacity);
 }
 
+// Layers of all pixels.
+fn layers_in_store() -> u32 {
+    return min(pixel_table[pixels_in_store()], store_layout.capacity);
+}
+
 fn overflowed(pixel: u32) -> bool {
     return false;
 }

@@ -1,5 +1,8 @@
 //! `pellucid bench`: what things cost, as ratios measured in one run, interleaved, medians.
 
+mod flicker;
+mod illustration;
+
 use std::time::Duration;
 
 use clap::{Args, Subcommand};
@@ -28,6 +31,10 @@ pub enum BenchCommand {
     Buckets(BucketsArgs),
     /// A whole frame of a model: unsorted blend, both captures, plain and stylized
     Frame(Box<FrameArgs>),
+    /// The steps of the illustration buffer against the number of fragments, and frames with and without iterations
+    Illustration(Box<illustration::IllustrationArgs>),
+    /// What changes from frame to frame of an orbit beyond what moves, with one sample a pixel against many
+    Flicker(Box<flicker::FlickerArgs>),
     /// Whether settings chosen by --budget and --max-error keep their promise when measured afresh
     Budgets(BudgetsArgs),
 }
@@ -99,6 +106,8 @@ pub fn run(command: &BenchCommand, progress: &Progress) -> Result<(), Failure> {
     match command {
         BenchCommand::Buckets(args) => buckets(args, progress),
         BenchCommand::Frame(args) => frame(args, progress),
+        BenchCommand::Illustration(args) => illustration::run(args, progress),
+        BenchCommand::Flicker(args) => flicker::run(args, progress),
         BenchCommand::Budgets(args) => budgets(args, progress),
     }
 }
@@ -129,12 +138,16 @@ struct Candidate {
     unsorted: bool,
     whole: Vec<f64>,
     passes: Vec<Vec<PassTime>>,
+    /// Of the last frame.
+    fragments: u64,
+    bands: usize,
 }
 
 impl Candidate {
     fn new(name: &str, scene: &Scene, settings: Settings, unsorted: bool) -> Result<Candidate, Failure> {
         let session = Session::open(scene)?;
-        Ok(Candidate { name: name.to_owned(), session, settings, unsorted, whole: Vec::new(), passes: Vec::new() })
+        let (whole, passes) = (Vec::new(), Vec::new());
+        Ok(Candidate { name: name.to_owned(), session, settings, unsorted, whole, passes, fragments: 0, bands: 0 })
     }
 
     /// Draws once; `counted` frames add to the result, `by_pass` frames give the times of the passes.
@@ -150,6 +163,7 @@ impl Candidate {
         }
         self.session.time_serially(by_pass);
         let report = self.session.render(camera, &self.settings, size)?.report;
+        (self.fragments, self.bands) = (report.layers.rasterized, report.bands);
         match (counted, by_pass) {
             (true, false) => self.whole.push(report.milliseconds),
             (true, true) => self.passes.push(report.passes),

@@ -11,6 +11,7 @@ use crate::plan::{Capture, FramePlan};
 use crate::render::{Frame, FrameReport, GpuScene, RenderError, Renderer};
 use crate::scene::{Arrangement, Scene};
 use crate::settings::Settings;
+use crate::tradeoff::flicker::{self, Orbit, OrbitOptions};
 
 /// A scene on an adapter.
 pub struct Session {
@@ -57,6 +58,20 @@ impl Session {
     /// As [`Session::render`].
     pub fn time_unsorted(&mut self, camera: &Camera, settings: &Settings, size: [u32; 2]) -> Result<f64, Failure> {
         self.renderer.time_unsorted(&self.scene, camera, settings, size).map_err(failed)
+    }
+
+    /// What flickers in an orbit.
+    ///
+    /// # Errors
+    /// As [`Session::render`].
+    pub fn flicker(
+        &mut self,
+        camera: &Camera,
+        settings: &Settings,
+        options: &OrbitOptions,
+        say: &mut dyn FnMut(u32),
+    ) -> Result<Orbit, Failure> {
+        flicker::orbit(&mut self.renderer, &self.scene, camera, settings, options, say).map_err(failed)
     }
 
     /// Whether each pass is run alone and timed by the wall clock; otherwise by timestamps on the GPU.

@@ -13,8 +13,8 @@
 //! - Diffusion can be anisotropic, by local feature size ([`feature_size`]).
 //! - Unknown neighbours, beyond the image or where a k-buffer lost layers, are no silhouettes (T10).
 //!
-//! A layer that ends and lies under another end is a silhouette: the first of the paper's rules wins. Memory a layer: 32 bytes,
-//! the fields twice; and 8 a pixel. Both fields and base opacity come from as many rows away as steps are taken, so bands have
+//! A layer that ends and lies under another end is a silhouette: the first of the paper's rules wins. Memory a layer: 48 bytes,
+//! the fields twice and the slots of the neighbours (52 in rows, whose layers are listed besides); and 8 a pixel. Both fields and base opacity come from as many rows away as steps are taken, so bands have
 //! an apron as wide.
 
 use crate::gpu::{GpuError, ShaderSpec};
@@ -64,9 +64,9 @@ pub const AXES: &[Axis] = &[
 /// Initial and boundary conditions.
 pub const BOUNDARY: Operator = Operator::first("passes/illustration/boundary");
 /// One step of isotropic diffusion.
-const DIFFUSE: Operator = Operator::local("passes/illustration/diffuse_isotropic");
+const DIFFUSE: Operator = Operator::repeated("passes/illustration/diffuse_isotropic");
 /// One step of diffusion that reaches less far where surfaces are small.
-const DIFFUSE_BY_SIZE: Operator = Operator::local("passes/illustration/diffuse_by_feature_size");
+const DIFFUSE_BY_SIZE: Operator = Operator::repeated("passes/illustration/diffuse_by_feature_size");
 /// Opacity out of the fields.
 pub const ILLUSTRATE: Operator = Operator::pointwise("passes/illustration/illustrate");
 

@@ -7,8 +7,10 @@
 //! - **Local**: `fn operate(at: Layer, own: vec4<f32>, around: Around, beside: Beside) -> vec4<f32>` gives a layer's fields
 //!   (four numbers that mean what the operator says) from its own and its neighbours'. Fields are read from `field_in`
 //!   (`field_of(slot)`) and written to `field_out`, the two columns changing places (ping-pong), so the order of layers does
-//!   not matter; the first operator of a frame reads none. It can be [repeated](repeat): `fn has_changed(own, next) -> bool`
-//!   says whether a step was worth it, and the GPU stops where none was.
+//!   not matter; the first operator of a frame reads none.
+//! - **Repeated**: a local operator of many steps, [`repeat`]: `fn operate(slot: u32, own: vec4<f32>, slots: vec4<u32>) -> vec4<f32>`
+//!   gets the slots of its neighbours, which the first operator left in a column of 16 bytes a layer, and runs over layers
+//!   instead of pixels. `fn has_changed(own, next) -> bool` says whether a step was worth it, and the GPU stops where none was.
 //! - **Global**: `fn gather(at: Layer)` adds to counters (`gathered`) for every layer of the image, `fn settle()` makes a table of
 //!   them (`settled`), and a pointwise operator reads that. A frame in several bands is gathered from all of them before the
 //!   first is lit.
@@ -19,7 +21,7 @@
 use crate::gpu::{GpuError, Resources, ShaderSpec};
 use crate::passes::Context;
 use crate::passes::store::StoreModules;
-use crate::plan::{FramePlan, Pass};
+use crate::plan::{Capture, FramePlan, Pass};
 
 /// What an operator takes and gives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,6 +32,8 @@ pub enum Kind {
     First,
     /// Fields of a layer, from one column into the other.
     Local,
+    /// The same, many times.
+    Repeated,
 }
 
 /// An operator.
@@ -57,14 +61,29 @@ impl Operator {
         Operator { kind: Kind::Local, module }
     }
 
+    /// A local operator that is repeated.
+    pub const fn repeated(module: &'static str) -> Operator {
+        Operator { kind: Kind::Repeated, module }
+    }
+
     /// The shader.
     pub fn spec(&self, plan: &FramePlan) -> ShaderSpec {
         let modules = StoreModules::of(plan);
+        let around = match (self.kind, plan.runs(Pass::Diffuse)) {
+            (Kind::First, true) => KEPT,
+            _ => "passes/operators/around_dropped",
+        };
+        let local = || ShaderSpec::new("passes/operators/local").with(around);
         let root = match self.kind {
             Kind::Pointwise => ShaderSpec::new("passes/operators/pointwise"),
-            Kind::First => ShaderSpec::new("passes/operators/local").with("passes/operators/field_none"),
-            Kind::Local => ShaderSpec::new("passes/operators/local").with("passes/operators/field_before"),
+            Kind::First => local().with("passes/operators/field_none"),
+            Kind::Local => local().with("passes/operators/field_before"),
+            Kind::Repeated => {
+                let root = ShaderSpec::new("passes/operators/repeated").with(self.module).with(listing(plan));
+                return modules.layout(root).constant("STEP_ROW", STEP_ROW);
+            }
         };
+        let root = if around == KEPT { root.with(listing(plan)) } else { root };
         modules.normals(modules.keys(modules.layout(root.with(self.module))))
     }
 }
@@ -119,9 +138,25 @@ pub fn settle(context: &mut Context<'_>, pass: Pass, operator: &Global) -> Resul
     context.compute(pass, &operator.settle_spec(), "main", [1, 1, 1])
 }
 
+/// The module that keeps the neighbours of every layer.
+const KEPT: &str = "passes/operators/around_kept";
+
+/// The module that says which slots hold layers, for operators that are repeated.
+fn listing(plan: &FramePlan) -> &'static str {
+    match plan.capture {
+        Capture::BucketedKBuffer { .. } => "passes/operators/layers_listed",
+        Capture::Compacted | Capture::LinkedList { .. } | Capture::None => "passes/operators/layers_without_gaps",
+    }
+}
+
+/// Workgroups in a row of a step's dispatch; more are put into further rows.
+const STEP_ROW: &str = "32768u";
+
 /// The shader that decides before each step of [`repeat`] whether it is taken.
-pub fn next_step_spec() -> ShaderSpec {
-    ShaderSpec::new("passes/operators/next_step")
+pub fn next_step_spec(plan: &FramePlan) -> ShaderSpec {
+    StoreModules::of(plan)
+        .layout(ShaderSpec::new("passes/operators/next_step").with(listing(plan)))
+        .constant("STEP_ROW", STEP_ROW)
 }
 
 /// The columns of the fields: the one that is written first, and the other.
@@ -151,19 +186,18 @@ pub fn run(context: &mut Context<'_>, pass: Pass, operator: &Operator, step: u32
     let mut resources = columns_of(context.resources, step);
     if operator.kind == Kind::First {
         resources.alias("field_out", column_after(0));
+        context.recorder.encoder.clear_buffer(context.resources.require(pass.name(), "steps")?, 0, None);
     }
     context.recorder.compute(pass, &kernel, &context.frame, &resources, groups)
 }
 
-/// Repeats a local operator `most` times, or until a step changes nothing. The fields are then in `column_after(most)`,
+/// Repeats an operator `most` times, or until a step changes nothing, after one of [`Kind::First`]. The fields are then in `column_after(most)`,
 /// however many steps were taken.
 ///
 /// # Errors
 /// [`GpuError`] of the device.
 pub fn repeat(context: &mut Context<'_>, pass: Pass, operator: &Operator, most: u32) -> Result<(), GpuError> {
-    let steps = context.resources.require(pass.name(), "steps")?;
-    context.recorder.encoder.clear_buffer(steps, 0, None);
-    let next = context.shaders.kernel(&next_step_spec(), "main")?;
+    let next = context.shaders.kernel(&next_step_spec(context.plan), "main")?;
     let kernel = context.shaders.kernel(&operator.spec(context.plan), "main")?;
     let arguments = context.resources.require(pass.name(), "step_arguments")?.clone();
     let both = [columns_of(context.resources, 0), columns_of(context.resources, 1)];

@@ -116,7 +116,7 @@ fn shaders_of(plan: &FramePlan, pass: Pass) -> Vec<Used> {
             let sizes = illustration::feature_size::runs_spec(plan);
             vec![(sizes, MAIN), (illustration::feature_size::chords_spec(plan), MAIN)]
         }
-        Pass::Diffuse => vec![(operators::next_step_spec(), MAIN), (illustration::diffuse(plan).spec(plan), MAIN)],
+        Pass::Diffuse => vec![(operators::next_step_spec(plan), MAIN), (illustration::diffuse(plan).spec(plan), MAIN)],
         Pass::Illustrate => one(illustration::ILLUSTRATE.spec(plan)),
         Pass::Blend => one(composite::blend_spec(plan)),
         Pass::OutlineMask => drawn(Vertices::Depth, &|v| outline::mask_spec(plan, v)),

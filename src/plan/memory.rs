@@ -90,7 +90,10 @@ fn columns(plan: &FramePlan) -> Vec<(&'static str, u64)> {
         all.push(("chords", 4));
     }
     if plan.runs(Pass::Diffuse) {
-        all.push(("fields_odd", 16));
+        all.extend([("fields_odd", 16), ("around_slots", 16)]);
+        if !whole {
+            all.push(("listed_slots", 4));
+        }
     }
     all
 }

@@ -508,7 +508,8 @@ pub(super) fn bind_settings(
         let (fields, steps) = illustration::parameters(&settings.opacity.illustrative, plan.opacity);
         resources.set("illustration", Resource::Buffer(gpu.uniform("illustration", &fields)?));
         resources.set("step_parameters", Resource::Buffer(gpu.uniform("steps", &steps)?));
-        resources.ensure(&gpu, "steps", 12)?;
+        resources.ensure(&gpu, "steps", 16)?;
+        resources.ensure(&gpu, "present", 12)?;
         resources.ensure(&gpu, "step_arguments", 12)?;
     }
     if plan.runs(Pass::LayerHistogram) {

@@ -4,13 +4,14 @@
 //! makes configurations of them, [`mod@reference`] what they are compared with, [`sweep`] measures each (errors of the picture
 //! and of its layers, time whole and by pass), and [`report`] writes it all down, with [`page`] and [`diagram`] for the eye.
 //! [`budget`] chooses settings by a promise about time or error, and [`kept`] keeps what it measured. [`gate`] lets others work
-//! first. [`limits`] turns the errors into a verdict for continuous integration. [`hard_cases`] runs what is numerically hard,
+//! first. [`flicker`] measures what is wrong between frames. [`limits`] turns the errors into a verdict for continuous integration. [`hard_cases`] runs what is numerically hard,
 //! which techniques declare in the same way, against the oracle.
 
 pub mod axis;
 pub mod budget;
 pub mod diagram;
 pub mod difference;
+pub mod flicker;
 mod flip;
 pub mod gate;
 pub mod hard_cases;

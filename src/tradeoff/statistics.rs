@@ -64,6 +64,18 @@ pub fn percentile(values: &[f64], p: f64) -> Option<f64> {
     sorted.get(rank.saturating_sub(1)).copied()
 }
 
+/// The exponent e of the power law y = c xᵉ through points of positive coordinates: least squares over their logarithms. `None`
+/// if there are not two different x.
+pub fn exponent(points: &[(f64, f64)]) -> Option<f64> {
+    let logs: Vec<(f64, f64)> =
+        points.iter().filter(|(x, y)| *x > 0.0 && *y > 0.0).map(|(x, y)| (x.ln(), y.ln())).collect();
+    let n = logs.len() as f64;
+    let (x, y) = (logs.iter().map(|p| p.0).sum::<f64>() / n, logs.iter().map(|p| p.1).sum::<f64>() / n);
+    let spread: f64 = logs.iter().map(|p| (p.0 - x).powi(2)).sum();
+    let together: f64 = logs.iter().map(|p| (p.0 - x) * (p.1 - y)).sum();
+    (spread > 1e-12).then(|| together / spread)
+}
+
 /// A median with its 95 % interval.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Estimate {
@@ -96,6 +108,22 @@ pub fn estimate(values: &[f64], seed: u64) -> Option<Estimate> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_exponent_is_that_of_the_power_law() {
+        let law = |e: f64| [3.0_f64, 10.0, 55.0, 240.0].map(|x| (x, 0.7 * x.powf(e)));
+        for e in [0.0, 0.9, 1.0, 2.5] {
+            assert!((exponent(&law(e)).unwrap() - e).abs() < 1e-12);
+        }
+        // One of four measured twice as long as the law says: least squares follow it in part.
+        let mut off = law(1.0);
+        off[3].1 *= 2.0;
+        let e = exponent(&off).unwrap();
+        assert!(e > 1.1 && e < 1.3, "{e}");
+        assert_eq!(exponent(&[(2.0, 1.0), (2.0, 3.0)]), None);
+        assert_eq!(exponent(&[(0.0, 1.0), (2.0, 3.0)]), None);
+        assert_eq!(exponent(&[]), None);
+    }
 
     #[test]
     fn medians_and_percentiles_of_short_lists() {

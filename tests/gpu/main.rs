@@ -14,6 +14,7 @@ mod hard_cases;
 mod histogram;
 mod illustration;
 mod illustrative;
+mod matrix;
 mod meshes;
 mod pictures;
 mod raster;

@@ -160,7 +160,7 @@ fn a_wrong_command_line_exits_with_2() {
     place.fails(2, "render boxes.glb -o - --stats -", &["standard output"]);
     place.fails(2, "render boxes.glb -o a.png --stats a.png", &["the same file"]);
     place.fails(2, "render builtin:no-such-scene -o a.png", &["no-such-scene", "gearbox"]);
-    place.fails(2, "bench", &["buckets", "frame"]);
+    place.fails(2, "bench", &["buckets", "frame", "illustration", "flicker"]);
     assert!(!place.path("a.png").exists() && !place.path("a.jpg").exists());
 }
 

@@ -23,7 +23,3 @@ fn operate(at: Layer, own: vec4<f32>, around: Around, beside: Beside) -> vec4<f3
     let fixed = select(0u, FIXED_BETA, is_end || is_under) | select(0u, FIXED_GAMMA, is_beside);
     return vec4<f32>(alpha, select(0.0, 1.0, is_end), select(0.0, 1.0, is_beside), f32(fixed));
 }
-
-fn has_changed(own: vec4<f32>, next: vec4<f32>) -> bool {
-    return false;
-}

@@ -1,8 +1,6 @@
 //@ use passes/operators/around
-//@ use passes/operators/steps
-// A local operator: `operate(at, own, around, beside)` gives a layer's fields anew, from its own and those of its neighbours.
-// Fields are read from one column and written to the other (ping-pong); the first operator reads none. `has_changed(own, next)` says whether a step was
-// worth it, for operators that are repeated until nothing changes.
+// A local operator: `operate(at, own, around, beside)` gives a layer's fields from its own and from what its neighbours are.
+// Fields are read from one column and written to the other (ping-pong); the first operator reads none.
 
 @group(1) @binding(19) var<storage, read_write> field_out: array<vec4<f32>>;
 
@@ -15,16 +13,12 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let count = layer_count(pixel);
     let base = layer_base(pixel);
     let beside = beside(id.x, pixel);
-    var changed = false;
+    let place = keep_pixel(count);
     for (var index = 0u; index < count; index++) {
         let slot = base + index;
         let at = Layer(id.x, id.y + frame.first_row, pixel, base, count, index);
-        let own = field_of(slot);
-        let next = operate(at, own, around(slot, beside), beside);
-        field_out[slot] = next;
-        changed = changed || has_changed(own, next);
-    }
-    if changed {
-        note_change();
+        let around = around(slot, beside);
+        keep_around(place + index, slot, around.slots);
+        field_out[slot] = operate(at, field_of(slot), around, beside);
     }
 }

@@ -1,4 +1,3 @@
-//@ use common/frame
 //@ use passes/operators/steps
 // Before each step of an operator that is repeated: whether it is taken. The steps that are always taken have one more after
 // them, in which what they changed is carried over into the other column; then it goes on as long as something changes. Where
@@ -24,8 +23,13 @@ fn main() {
     atomicStore(&steps[0], step + 1u);
     atomicStore(&steps[1], 0u);
     atomicAdd(&steps[2], u32(goes_on));
-    let groups = (vec2<u32>(frame.size.x, frame.end_row - frame.first_row) + 15u) / 16u;
-    step_arguments[0] = select(0u, groups.x, goes_on);
-    step_arguments[1] = select(0u, groups.y, goes_on);
+    present[0] = step;
+    // Of the steps that are always taken only the last decides anything.
+    present[1] = u32(step >= step_parameters.always && step_parameters.early_stop != 0u);
+    let layers = layers_listed();
+    present[2] = layers;
+    let groups = (layers + 255u) / 256u;
+    step_arguments[0] = select(0u, min(groups, STEP_ROW), goes_on);
+    step_arguments[1] = select(0u, (groups + STEP_ROW - 1u) / STEP_ROW, goes_on);
     step_arguments[2] = 1u;
 }
