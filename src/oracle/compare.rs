@@ -346,7 +346,8 @@ pub fn illustrated(
     base: &[f64],
     settings: &IllustrativeSettings,
 ) -> (illustration::Fields, Vec<f64>) {
-    let settings = IllustrativeSettings { printed: PrintedForm::None, ..settings.clone() };
+    let settings = settings.in_pixels([store.width, store.height]);
+    let settings = IllustrativeSettings { printed: PrintedForm::None, ..settings };
     let base: Vec<f64> = base.iter().map(|b| b * settings.base_gain).collect();
     let begun = illustration::boundary(store, links, &base, false);
     let fields = illustration::diffuse(&illustration::Graph::of(store, links, &settings), &begun, &settings);

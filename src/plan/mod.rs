@@ -372,7 +372,8 @@ fn plan_rows(
     }
     let mut draft = Draft::default();
     let illustration = (settings.opacity.model == OpacityModel::Illustrative).then(|| {
-        let (s, steps) = (&settings.opacity.illustrative, settings.opacity.illustrative.steps());
+        let s = settings.opacity.illustrative.in_pixels(size);
+        let steps = s.steps();
         let printed_transmittance = s.printed == PrintedForm::Transmittance;
         let (heat_steps, most_steps) = (steps.heat, steps.most);
         Illustration { heat_steps, most_steps, feature_size: s.feature_size, printed_transmittance }

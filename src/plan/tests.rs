@@ -4,7 +4,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::scene::Scene;
-use crate::settings::BaseOpacity;
+use crate::settings::{BaseOpacity, LengthUnit};
 use crate::transfer::{ColorFunction, TransferSource};
 
 const SIZE: [u32; 2] = [640, 480];
@@ -210,6 +210,7 @@ fn linked_lists_fill_where_compacted_ones_count_and_append() {
 fn illustrative_transparency_needs_neighbours_and_an_apron_as_wide_as_its_steps() {
     let mut settings = Settings::default();
     settings.opacity.illustrative.base = BaseOpacity::Adaptive;
+    settings.opacity.illustrative.unit = LengthUnit::Pixel;
     let plan = planned(&settings, &usual());
     for pass in
         [Pass::NeighbourLinks, Pass::Stylize, Pass::Boundary, Pass::FeatureSize, Pass::Diffuse, Pass::Illustrate]

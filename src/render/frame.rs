@@ -505,7 +505,8 @@ pub(super) fn bind_settings(
         _ => (1.0, false),
     };
     if plan.illustration.is_some() {
-        let (fields, steps) = illustration::parameters(&settings.opacity.illustrative, plan.opacity);
+        let (fields, steps) =
+            illustration::parameters(&settings.opacity.illustrative.in_pixels(plan.size), plan.opacity);
         resources.set("illustration", Resource::Buffer(gpu.uniform("illustration", &fields)?));
         resources.set("step_parameters", Resource::Buffer(gpu.uniform("steps", &steps)?));
         resources.ensure(&gpu, "steps", 16)?;

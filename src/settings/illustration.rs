@@ -52,6 +52,17 @@ choice! {
 }
 
 choice! {
+    /// What lengths of illustrative transparency are measured in.
+    pub enum LengthUnit {
+        /// Thousandths of the image's shorter side, so that a picture looks the same at any resolution. The default.
+        #[default]
+        View = "view",
+        /// Pixels, as in the paper.
+        Pixel = "pixel",
+    }
+}
+
+choice! {
     /// What is made of a field after it has spread.
     pub enum Profile {
         /// Nothing: it falls off evenly.
@@ -162,7 +173,9 @@ settings! {
         pub base: BaseOpacity = BaseOpacity::Curvature, Range::Choice(BaseOpacity::NAMES);
         /// Multiplies it.
         pub base_gain: f64 = 0.6, Range::Real(0.0, 8.0);
-        /// Pixels below which a surface counts as small: silhouettes and halos on it get narrower with it; 0 for no such limit.
+        /// What the widths below are in: 1/λ under `max`, how far heat gets, and the feature size.
+        pub unit: LengthUnit = LengthUnit::View, Range::Choice(LengthUnit::NAMES);
+        /// Length below which a surface counts as small: silhouettes and halos on it get narrower with it; 0 for no such limit.
         pub feature_size: u32 = 24, Range::Integer(0, 255);
         /// Steps of fields that spread as heat.
         pub iterations: u32 = 20, Range::Integer(0, 100);
@@ -179,7 +192,53 @@ settings! {
     }
 }
 
+/// Most steps of heat, however large the picture is.
+const MOST_HEAT_STEPS: f64 = 100.0;
+
 impl IllustrativeSettings {
+    /// The same with all lengths in pixels of an image of `size`.
+    pub fn in_pixels(&self, size: [u32; 2]) -> IllustrativeSettings {
+        match self.unit {
+            LengthUnit::Pixel => self.clone(),
+            LengthUnit::View => {
+                let side = f64::from(size[0].min(size[1]).max(1));
+                IllustrativeSettings { unit: LengthUnit::Pixel, ..self.scaled(1000.0 / side) }
+            }
+        }
+    }
+
+    /// What looks the same where a pixel is `divisor` times as large. Under `max` a field falls by λ a pixel, so that λ is one
+    /// over a width and grows with the divisor d. As heat, n steps of λ spread as far as the root of n λ pixels: n/d² steps are
+    /// taken, rounded up, each so much weaker that n λ / d² holds; at most a hundred, so that in very large pictures the base is
+    /// smoothed less far.
+    pub fn scaled(&self, divisor: f64) -> IllustrativeSettings {
+        let mut scaled = self.clone();
+        if !divisor.is_finite() || divisor <= 0.0 {
+            return scaled;
+        }
+        let spread = f64::from(self.iterations) / (divisor * divisor);
+        let steps = spread.ceil().min(MOST_HEAT_STEPS.max(f64::from(self.iterations)));
+        scaled.iterations = steps as u32;
+        let each = if steps > 0.0 { (spread / steps).min(1.0) } else { 0.0 };
+        let ways = [
+            (self.alpha.diffusion, &mut scaled.alpha.lambda),
+            (self.beta.diffusion, &mut scaled.beta.lambda),
+            (self.gamma.diffusion, &mut scaled.gamma.lambda),
+        ];
+        for (diffusion, lambda) in ways {
+            match diffusion {
+                Diffusion::Heat => *lambda *= each,
+                // A field narrower than a pixel stays where it is.
+                Diffusion::Max => *lambda = (*lambda * divisor).min(1.0),
+                Diffusion::None => {}
+            }
+        }
+        if self.feature_size > 0 {
+            scaled.feature_size = (f64::from(self.feature_size) / divisor).round().clamp(1.0, 255.0) as u32;
+        }
+        scaled
+    }
+
     /// Steps that all fields together need: those of heat, and those in which `max` reaches its end (T16).
     pub fn steps(&self) -> Steps {
         let fields = [
@@ -200,4 +259,29 @@ pub struct Steps {
     pub heat: u32,
     /// Most steps.
     pub most: u32,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lengths_follow_the_resolution() {
+        let asked = IllustrativeSettings::default();
+        let at = |side| asked.in_pixels([2 * side, side]);
+        assert_eq!(at(1000), IllustrativeSettings { unit: LengthUnit::Pixel, ..asked.clone() });
+        assert_eq!(at(1000).in_pixels([5, 5]), at(1000), "pixels stay what they are");
+        for side in [250, 500, 2000] {
+            let (scaled, times) = (at(side), f64::from(side) / 1000.0);
+            assert!((scaled.beta.lambda * times - asked.beta.lambda).abs() < 1e-12, "{side}");
+            assert!((scaled.gamma.lambda * times - asked.gamma.lambda).abs() < 1e-12, "{side}");
+            assert_eq!(scaled.feature_size, (24.0 * times) as u32);
+            let spread = |s: &IllustrativeSettings| f64::from(s.iterations) * s.alpha.lambda;
+            assert!((spread(&scaled) - spread(&asked) * times * times).abs() < 1e-9, "{side}");
+            assert!(scaled.alpha.lambda <= asked.alpha.lambda, "as stable");
+        }
+        assert_eq!((at(8000).iterations, at(8000).feature_size), (100, 192));
+        assert_eq!(at(20).gamma.lambda, 1.0);
+        assert_eq!(IllustrativeSettings { feature_size: 0, ..asked.clone() }.in_pixels([9, 9]).feature_size, 0);
+    }
 }

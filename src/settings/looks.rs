@@ -21,7 +21,7 @@ pub const LOOKS: &[Look] = &[
         description: "Shape by curvature, depth order by silhouettes and halos that narrow on what is small. What is drawn \
                       unless something else is asked for.",
         toml: "opacity = { model = 'illustrative', gain = 1.0, transfer = 'pellucid', illustrative = { base = 'curvature', \
-               base_gain = 0.6, iterations = 20, feature_size = 24, printed = 'none', \
+               base_gain = 0.6, unit = 'view', iterations = 20, feature_size = 24, printed = 'none', \
                alpha = { diffusion = 'heat', lambda = 0.9 }, \
                beta = { diffusion = 'max', lambda = 0.05, profile = 'power', p = 2.0, strength = 1.0 }, \
                gamma = { diffusion = 'max', lambda = 0.2, profile = 'none', p = 1.0, strength = 1.0 } } }",
@@ -49,7 +49,7 @@ pub const LOOKS: &[Look] = &[
     Look {
         name: "figure-9-heat",
         description: "Carnecky 2013, figure 9: silhouettes and halos that spread as heat (equation 8), 50 iterations.",
-        toml: "opacity = { model = 'illustrative', adaptive = 0.7, illustrative = { base = 'adaptive', base_gain = 1.0, \
+        toml: "opacity = { model = 'illustrative', adaptive = 0.7, illustrative = { base = 'adaptive', base_gain = 1.0, unit = 'pixel', \
                iterations = 50, feature_size = 0, alpha = { diffusion = 'heat', lambda = 0.9 }, \
                beta = { diffusion = 'heat', lambda = 0.9, profile = 'none', strength = 1.0 }, \
                gamma = { diffusion = 'heat', lambda = 0.9, profile = 'none', strength = 1.0 } } }",
@@ -57,7 +57,7 @@ pub const LOOKS: &[Look] = &[
     Look {
         name: "figure-9-max",
         description: "Figure 9: by max-propagation (equation 9), falling off evenly.",
-        toml: "opacity = { model = 'illustrative', adaptive = 0.7, illustrative = { base = 'adaptive', base_gain = 1.0, \
+        toml: "opacity = { model = 'illustrative', adaptive = 0.7, illustrative = { base = 'adaptive', base_gain = 1.0, unit = 'pixel', \
                iterations = 20, feature_size = 0, alpha = { diffusion = 'heat', lambda = 0.9 }, \
                beta = { diffusion = 'max', lambda = 0.05, profile = 'none', strength = 1.0 }, \
                gamma = { diffusion = 'max', lambda = 0.1, profile = 'none', strength = 1.0 } } }",
@@ -65,7 +65,7 @@ pub const LOOKS: &[Look] = &[
     Look {
         name: "figure-9-bell",
         description: "Figure 9: by max-propagation, then a bell (equation 10).",
-        toml: "opacity = { model = 'illustrative', adaptive = 0.7, illustrative = { base = 'adaptive', base_gain = 1.0, \
+        toml: "opacity = { model = 'illustrative', adaptive = 0.7, illustrative = { base = 'adaptive', base_gain = 1.0, unit = 'pixel', \
                iterations = 20, feature_size = 0, alpha = { diffusion = 'heat', lambda = 0.9 }, \
                beta = { diffusion = 'max', lambda = 0.05, profile = 'bell', p = 4.0, strength = 1.0 }, \
                gamma = { diffusion = 'max', lambda = 0.1, profile = 'bell', p = 4.0, strength = 1.0 } } }",
@@ -73,7 +73,7 @@ pub const LOOKS: &[Look] = &[
     Look {
         name: "figure-9-power",
         description: "Figure 9: by max-propagation, then a power (equation 11).",
-        toml: "opacity = { model = 'illustrative', adaptive = 0.7, illustrative = { base = 'adaptive', base_gain = 1.0, \
+        toml: "opacity = { model = 'illustrative', adaptive = 0.7, illustrative = { base = 'adaptive', base_gain = 1.0, unit = 'pixel', \
                iterations = 20, feature_size = 0, alpha = { diffusion = 'heat', lambda = 0.9 }, \
                beta = { diffusion = 'max', lambda = 0.05, profile = 'power', p = 2.0, strength = 1.0 }, \
                gamma = { diffusion = 'max', lambda = 0.1, profile = 'power', p = 2.0, strength = 1.0 } } }",
@@ -82,7 +82,7 @@ pub const LOOKS: &[Look] = &[
         name: "figure-10",
         description: "Figure 10: wide halos on white, for a close look.",
         toml: "image = { background = '#ffffff' }
-               opacity = { model = 'illustrative', constant = 0.3, illustrative = { base = 'constant', base_gain = 1.0, \
+               opacity = { model = 'illustrative', constant = 0.3, illustrative = { base = 'constant', base_gain = 1.0, unit = 'pixel', \
                iterations = 30, feature_size = 0, alpha = { diffusion = 'heat', lambda = 0.9 }, \
                beta = { diffusion = 'max', lambda = 0.03, profile = 'power', p = 2.0, strength = 1.0 }, \
                gamma = { diffusion = 'max', lambda = 0.06, profile = 'bell', p = 2.0, strength = 1.0 } } }",
@@ -91,7 +91,7 @@ pub const LOOKS: &[Look] = &[
         name: "figure-11",
         description: "Figure 11(e): on white, over a constant opacity.",
         toml: "image = { background = '#ffffff' }
-               opacity = { model = 'illustrative', constant = 0.3, illustrative = { base = 'constant', base_gain = 1.0, \
+               opacity = { model = 'illustrative', constant = 0.3, illustrative = { base = 'constant', base_gain = 1.0, unit = 'pixel', \
                iterations = 20, feature_size = 0, alpha = { diffusion = 'heat', lambda = 0.9 }, \
                beta = { diffusion = 'max', lambda = 0.03, profile = 'power', p = 2.0, strength = 1.0 }, \
                gamma = { diffusion = 'max', lambda = 0.1, profile = 'none', strength = 1.0 } } }",
@@ -100,7 +100,7 @@ pub const LOOKS: &[Look] = &[
         name: "figure-12",
         description: "Figure 12: flow surfaces on white; where many sheets lie over each other each is clearer.",
         toml: "image = { background = '#ffffff' }
-               opacity = { model = 'illustrative', adaptive = 0.8, illustrative = { base = 'adaptive', base_gain = 1.0, \
+               opacity = { model = 'illustrative', adaptive = 0.8, illustrative = { base = 'adaptive', base_gain = 1.0, unit = 'pixel', \
                iterations = 50, feature_size = 0, alpha = { diffusion = 'heat', lambda = 0.9 }, \
                beta = { diffusion = 'max', lambda = 0.04, profile = 'power', p = 2.0, strength = 1.0 }, \
                gamma = { diffusion = 'max', lambda = 0.12, profile = 'bell', p = 2.0, strength = 1.0 } } }",
@@ -109,7 +109,7 @@ pub const LOOKS: &[Look] = &[
         name: "figure-13",
         description: "Figure 13(c): an engine on white; so many silhouettes want no halos.",
         toml: "image = { background = '#ffffff' }
-               opacity = { model = 'illustrative', adaptive = 0.6, illustrative = { base = 'adaptive', base_gain = 1.0, \
+               opacity = { model = 'illustrative', adaptive = 0.6, illustrative = { base = 'adaptive', base_gain = 1.0, unit = 'pixel', \
                iterations = 20, feature_size = 0, alpha = { diffusion = 'heat', lambda = 0.9 }, \
                beta = { diffusion = 'max', lambda = 0.08, profile = 'power', p = 2.0, strength = 1.0 }, \
                gamma = { diffusion = 'none', strength = 0.0 } } }",

@@ -18,7 +18,7 @@ pub use declare::{Declaration, Range};
 use declare::{choice, settings};
 pub use illustration::{
     AlphaSettings, AngleSettings, BaseOpacity, BetaSettings, Diffusion, EqualShareSettings, GammaSettings,
-    IllustrativeSettings, PrintedForm, Profile, Steps, VariationSettings,
+    IllustrativeSettings, LengthUnit, PrintedForm, Profile, Steps, VariationSettings,
 };
 
 use crate::transfer::TransferSource;

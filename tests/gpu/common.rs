@@ -9,7 +9,7 @@ use pellucid::oracle::{Extents, View};
 use pellucid::render::{DrawOrder, Renderer, StoreReadback};
 use pellucid::scene::Scene;
 use pellucid::scene::hard_case::ShaderChange;
-use pellucid::settings::{OpacityModel, Settings};
+use pellucid::settings::{LengthUnit, OpacityModel, Settings};
 pub use pellucid::tradeoff::hard_cases::Shot;
 use pellucid::tradeoff::hard_cases::changed_module;
 use pellucid::transfer::{TransferFunction, TransferSource};
@@ -58,10 +58,11 @@ pub fn full() -> bool {
     std::env::var_os("PELLUCID_TEST_FULL").is_some()
 }
 
-/// Curvature alone, changed by `path=value` pairs, separated by spaces.
+/// Curvature alone and lengths in pixels, changed by `path=value` pairs, separated by spaces.
 pub fn settings(pairs: &str) -> Settings {
     let mut settings = Settings::default();
     settings.opacity.model = OpacityModel::Curvature;
+    settings.opacity.illustrative.unit = LengthUnit::Pixel;
     for pair in pairs.split_whitespace() {
         let (path, value) = pair.split_once('=').unwrap_or_else(|| panic!("{pair}"));
         let path = match path {

@@ -126,13 +126,18 @@ fn measure(args: &IllustrationArgs, file: &str, progress: &Progress) -> Result<M
     let scene = crate::cli::load::scene(file, progress)?;
     let camera = args.camera.camera(&scene, 1.0)?;
     let lists = ("capture.kind", "linked_list".to_owned());
-    let model = ("opacity.model", "illustrative".to_owned());
-    let with =
-        settings_of(&[lists.clone(), model.clone(), ("opacity.illustrative.iterations", args.iterations.to_string())])?;
+    // As in the paper: lengths in pixels, an adaptive base, isotropic.
+    let printed = [
+        ("opacity.model", "illustrative"),
+        ("opacity.illustrative.unit", "pixel"),
+        ("opacity.illustrative.base", "adaptive"),
+        ("opacity.illustrative.feature_size", "0"),
+    ];
+    let model = printed.map(|(path, value)| (path, value.to_owned()));
+    let of = |more: &[(&'static str, String)]| settings_of(&[&[lists.clone()], &model[..], more].concat());
+    let with = of(&[("opacity.illustrative.iterations", args.iterations.to_string())])?;
     let still = |field| (field, "none".to_owned());
-    let without = settings_of(&[
-        lists,
-        model,
+    let without = of(&[
         still("opacity.illustrative.alpha.diffusion"),
         still("opacity.illustrative.beta.diffusion"),
         still("opacity.illustrative.gamma.diffusion"),

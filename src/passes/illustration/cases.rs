@@ -4,9 +4,8 @@ use crate::scene::hard_case::Contrast::{Planted, Printed};
 use crate::scene::hard_case::Source::Builtin;
 use crate::scene::hard_case::{CaseCamera, HardCase, Measure, Method};
 
-const OURS: Method = Method::of("ours", "opacity.model=illustrative");
-const TINY_P: &str =
-    "opacity.model=illustrative opacity.illustrative.beta.profile=bell opacity.illustrative.beta.p=1e-9";
+const OURS: Method = Method::of("ours", "opacity.model=illustrative opacity.illustrative.unit=pixel");
+const TINY_P: &str = "opacity.model=illustrative opacity.illustrative.unit=pixel opacity.illustrative.beta.profile=bell opacity.illustrative.beta.p=1e-9";
 
 /// Cases of illustrative transparency.
 pub const CASES: &[HardCase] = &[
@@ -21,11 +20,11 @@ pub const CASES: &[HardCase] = &[
         size: [56, 56],
         ours: Method::of(
             "λ = 0.9 along links",
-            "opacity.model=illustrative opacity.illustrative.base=angle_based opacity.illustrative.iterations=50",
+            "opacity.model=illustrative opacity.illustrative.unit=pixel opacity.illustrative.base=angle_based opacity.illustrative.iterations=50",
         ),
         contrast: Some(Printed(Method::of(
             "λ = 1, 5 points",
-            "opacity.model=illustrative opacity.illustrative.base=angle_based opacity.illustrative.printed=laplacian",
+            "opacity.model=illustrative opacity.illustrative.unit=pixel opacity.illustrative.base=angle_based opacity.illustrative.printed=laplacian",
         ))),
         measure: Measure::FieldError,
         bound: 1e-5,
@@ -41,7 +40,7 @@ pub const CASES: &[HardCase] = &[
         ours: OURS,
         contrast: Some(Printed(Method::of(
             "1 − α",
-            "opacity.model=illustrative opacity.illustrative.printed=transmittance",
+            "opacity.model=illustrative opacity.illustrative.unit=pixel opacity.illustrative.printed=transmittance",
         ))),
         measure: Measure::BlendError,
         bound: 0.5,
@@ -74,7 +73,7 @@ pub const CASES: &[HardCase] = &[
         ours: OURS,
         contrast: Some(Printed(Method::of(
             "without its flag",
-            "opacity.model=illustrative opacity.illustrative.printed=propagation",
+            "opacity.model=illustrative opacity.illustrative.unit=pixel opacity.illustrative.printed=propagation",
         ))),
         measure: Measure::FieldError,
         bound: 1e-5,
@@ -89,12 +88,12 @@ pub const CASES: &[HardCase] = &[
         size: [96, 96],
         ours: Method::of(
             "until nothing changes",
-            "opacity.model=illustrative opacity.illustrative.iterations=3 opacity.illustrative.beta.lambda=0.02",
+            "opacity.model=illustrative opacity.illustrative.unit=pixel opacity.illustrative.iterations=3 opacity.illustrative.beta.lambda=0.02",
         ),
         contrast: Some(Planted(
             Method::of(
                 "as long as heat",
-                "opacity.model=illustrative opacity.illustrative.iterations=3 opacity.illustrative.beta.lambda=0.02",
+                "opacity.model=illustrative opacity.illustrative.unit=pixel opacity.illustrative.iterations=3 opacity.illustrative.beta.lambda=0.02",
             )
             .changed("passes/operators/next_step", "|| changed ||", "||"),
         )),
@@ -103,7 +102,7 @@ pub const CASES: &[HardCase] = &[
     },
     HardCase {
         name: "narrow-surfaces",
-        trap: "T13",
+        trap: "",
         why: "Diffusion by local feature size: how much flows through a link must be the same from both of its ends, or values \
               drift towards whatever is wider. A chord ends at other places along one axis than along the other, and the two \
               layers of a link need not have the same one: the smaller of both counts.",
@@ -112,13 +111,13 @@ pub const CASES: &[HardCase] = &[
         size: [56, 56],
         ours: Method::of(
             "the smaller chord",
-            "opacity.model=illustrative opacity.illustrative.base=angle_based opacity.illustrative.feature_size=30 \
+            "opacity.model=illustrative opacity.illustrative.unit=pixel opacity.illustrative.base=angle_based opacity.illustrative.feature_size=30 \
              opacity.illustrative.iterations=50",
         ),
         contrast: Some(Planted(
             Method::of(
                 "each its own",
-                "opacity.model=illustrative opacity.illustrative.base=angle_based opacity.illustrative.feature_size=30 \
+                "opacity.model=illustrative opacity.illustrative.unit=pixel opacity.illustrative.base=angle_based opacity.illustrative.feature_size=30 \
                  opacity.illustrative.iterations=50",
             )
             .changed(
@@ -141,7 +140,7 @@ pub const CASES: &[HardCase] = &[
         ours: OURS,
         contrast: Some(Printed(Method::of(
             "bare index steps",
-            "opacity.model=illustrative opacity.illustrative.printed=index_steps",
+            "opacity.model=illustrative opacity.illustrative.unit=pixel opacity.illustrative.printed=index_steps",
         ))),
         measure: Measure::Halos,
         bound: 0.0,

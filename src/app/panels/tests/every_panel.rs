@@ -359,7 +359,8 @@ fn opacity_models_are_taken_by_a_click() {
     let picture = models::Picture { name: "angle-based", model, image, texture: None };
     window.state_mut().models.as_mut().unwrap().take(Ok(picture));
     window.run();
-    click(&mut window, "angle-based");
+    window.get_by_role_and_label(Role::Button, "angle-based").click();
+    window.run();
     assert_eq!(seen(&window).settings.opacity.model, model);
     window.state_mut().undo();
     window.run();
