@@ -28,6 +28,8 @@ pub enum BenchCommand {
     Buckets(BucketsArgs),
     /// A whole frame of a model: unsorted blend, both captures, plain and stylized
     Frame(Box<FrameArgs>),
+    /// How plainly opacity models show what lies in front: luminance steps at T-junctions
+    Study(super::study::StudyArgs),
     /// Whether settings chosen by --budget and --max-error keep their promise when measured afresh
     Budgets(BudgetsArgs),
 }
@@ -99,6 +101,7 @@ pub fn run(command: &BenchCommand, progress: &Progress) -> Result<(), Failure> {
     match command {
         BenchCommand::Buckets(args) => buckets(args, progress),
         BenchCommand::Frame(args) => frame(args, progress),
+        BenchCommand::Study(args) => super::study::run(args, progress),
         BenchCommand::Budgets(args) => budgets(args, progress),
     }
 }

@@ -5,7 +5,8 @@
 //! and of its layers, time whole and by pass), and [`report`] writes it all down, with [`page`] and [`diagram`] for the eye.
 //! [`budget`] chooses settings by a promise about time or error, and [`kept`] keeps what it measured. [`gate`] lets others work
 //! first. [`limits`] turns the errors into a verdict for continuous integration. [`hard_cases`] runs what is numerically hard,
-//! which techniques declare in the same way, against the oracle.
+//! which techniques declare in the same way, against the oracle. [`study`] measures how
+//! plainly a picture says what lies in front.
 
 pub mod axis;
 pub mod budget;
@@ -23,6 +24,7 @@ mod picture;
 pub mod reference;
 pub mod report;
 pub mod statistics;
+pub mod study;
 pub mod sweep;
 pub mod table;
 pub mod words;
