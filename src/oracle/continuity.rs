@@ -9,7 +9,7 @@
 //!
 //! # Parameters
 //! With [`Form::Parameters`] two fragments are as far apart as their places in the surface's parametrization, in radii of the
-//! part, if that is at most four times what either's triangle covers over a pixel in that direction, and half a radius; otherwise, and where a
+//! part, if that is at most four times what either's triangle covers over a pixel in that direction (ε = d / (1 + d), which is less than 1); otherwise, and where a
 //! fragment has no parameters, they come after all such: ε = 1 + the mutual ε by continuity.
 //!
 //! # Choices
@@ -57,8 +57,6 @@ pub enum Form {
 
 /// How many times what a triangle covers over a pixel two neighbours may be apart in parameters.
 const STEPS: f64 = 4.0;
-/// And how far at most, radii of the part.
-const FARTHEST: f64 = 0.5;
 
 /// Distance of two fragments in the parametrization if they are near in it, and whether that hangs on a rounding error.
 fn apart(store: &StoreData, (i, p): (usize, usize), (j, q): (usize, usize)) -> (Option<f64>, bool) {
@@ -68,9 +66,9 @@ fn apart(store: &StoreData, (i, p): (usize, usize), (j, q): (usize, usize)) -> (
     let at = |of: &[f32; 4], c: usize| f64::from(of[c]);
     let apart = (at(a, 0) - at(b, 0)).hypot(at(a, 1) - at(b, 1));
     let (least, most) = (at(a, axis).min(at(b, axis)), at(a, axis).max(at(b, axis)));
-    let reach = (STEPS * most).min(FARTHEST);
+    let reach = STEPS * most;
     let is_near = least > 0.0 && apart <= reach;
-    (is_near.then_some(apart), least > 0.0 && (apart - reach).abs() <= 1e-6 * (1.0 + reach))
+    (is_near.then_some(apart / (1.0 + apart)), least > 0.0 && (apart - reach).abs() <= 1e-6 * (1.0 + reach))
 }
 
 /// ε between fragment `i` of pixel `p` and fragment `j` of the adjacent pixel `q`, and what 32-bit depths may make of it.

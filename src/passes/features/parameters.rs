@@ -7,8 +7,9 @@
 //! both ways, links are mutual (T13).
 //!
 //! - **Seams.** A parametrization may jump where the surface goes on. A pair farther apart than four times what either's triangle
-//!   covers over a pixel, or than half a radius, is judged by continuity instead, and takes second place to every pair that is near: 1 + ε. So a seam is
-//!   linked as if there were no parametrization, and near pairs never lose to it.
+//!   covers over a pixel is judged by continuity instead, and takes second place to every pair that is near: ε = d / (1 + d) for
+//!   those, 1 + ε by continuity for the others. So a seam is linked as if there were no parametrization, and near pairs never lose
+//!   to it.
 //! - **Parts without** texture coordinates, caps of sections, and triangles on which they do not change are judged by continuity;
 //!   the plan says how many parts.
 //! - **What it needs.** Different places must have different parameters. Coordinates that repeat a pattern, or give both halves of
