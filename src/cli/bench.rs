@@ -35,6 +35,8 @@ pub enum BenchCommand {
     Illustration(Box<illustration::IllustrationArgs>),
     /// What changes from frame to frame of an orbit beyond what moves, with one sample a pixel against many
     Flicker(Box<flicker::FlickerArgs>),
+    /// How plainly opacity models show what lies in front: luminance steps at T-junctions
+    Study(super::study::StudyArgs),
     /// Whether settings chosen by --budget and --max-error keep their promise when measured afresh
     Budgets(BudgetsArgs),
 }
@@ -108,6 +110,7 @@ pub fn run(command: &BenchCommand, progress: &Progress) -> Result<(), Failure> {
         BenchCommand::Frame(args) => frame(args, progress),
         BenchCommand::Illustration(args) => illustration::run(args, progress),
         BenchCommand::Flicker(args) => flicker::run(args, progress),
+        BenchCommand::Study(args) => super::study::run(args, progress),
         BenchCommand::Budgets(args) => budgets(args, progress),
     }
 }

@@ -18,6 +18,7 @@ mod options;
 mod output;
 mod render;
 mod section;
+mod study;
 mod tradeoff;
 mod transfer;
 mod view;

@@ -7,6 +7,11 @@
 //! the other's best; the best pair of two pixels then always is. As printed, ε_z has a sign and only one fragment's slope, and
 //! the check of Algorithm 2 does not make links mutual.
 //!
+//! # Parameters
+//! With [`Form::Parameters`] two fragments are as far apart as their places in the surface's parametrization, in radii of the
+//! part, if that is at most four times what either's triangle covers over a pixel in that direction (ε = d / (1 + d), which is less than 1); otherwise, and where a
+//! fragment has no parameters, they come after all such: ε = 1 + the mutual ε by continuity.
+//!
 //! # Choices
 //! The slope is that of the plane across the stored normal, at most 1 : 20 (as in [`super::neighbours`]); the paper has the
 //! triangle's. Both weights are 1, as the paper's are equal. Of equal ε the nearer layer wins.
@@ -34,6 +39,7 @@ pub fn neighbours_by(
         DepthTerm::Printed => neighbours_expected(store, extents, None, check),
         DepthTerm::Slope => neighbours_expected(store, extents, Some(view), check),
         DepthTerm::Continuity => neighbours_by_continuity(store, extents, view, Form::Mutual, check),
+        DepthTerm::Parameters => neighbours_by_continuity(store, extents, view, Form::Parameters, check),
         DepthTerm::ContinuityPrinted => neighbours_by_continuity(store, extents, view, Form::Printed, check),
     }
 }
@@ -45,6 +51,24 @@ pub enum Form {
     Mutual,
     /// Signed, by one fragment's slope, with the check of Algorithm 2.
     Printed,
+    /// Distance in the parametrization, the same both ways; continuity where that says nothing.
+    Parameters,
+}
+
+/// How many times what a triangle covers over a pixel two neighbours may be apart in parameters.
+const STEPS: f64 = 4.0;
+
+/// Distance of two fragments in the parametrization if they are near in it, and whether that hangs on a rounding error.
+fn apart(store: &StoreData, (i, p): (usize, usize), (j, q): (usize, usize)) -> (Option<f64>, bool) {
+    let (Some(a), Some(b)) = (store.parameters.get(i), store.parameters.get(j)) else { return (None, false) };
+    // Pixels in one row are a step in x apart.
+    let axis = if p.abs_diff(q) == 1 && store.width > 1 { 2 } else { 3 };
+    let at = |of: &[f32; 4], c: usize| f64::from(of[c]);
+    let apart = (at(a, 0) - at(b, 0)).hypot(at(a, 1) - at(b, 1));
+    let (least, most) = (at(a, axis).min(at(b, axis)), at(a, axis).max(at(b, axis)));
+    let reach = STEPS * most;
+    let is_near = least > 0.0 && apart <= reach;
+    (is_near.then_some(apart / (1.0 + apart)), least > 0.0 && (apart - reach).abs() <= 1e-6 * (1.0 + reach))
 }
 
 /// ε between fragment `i` of pixel `p` and fragment `j` of the adjacent pixel `q`, and what 32-bit depths may make of it.
@@ -62,8 +86,17 @@ fn epsilon(
         (expected_depth(store, Some(view), a, p, q) - store.depth[b]) / radius
     };
     let there = off((i, p), (j, q));
+    if form == Form::Parameters {
+        let (distance, uncertain) = apart(store, (i, p), (j, q));
+        let continuity = epsilon(store, extents, view, Form::Mutual, (i, p), (j, q));
+        let error = if uncertain { f64::INFINITY } else { continuity.1 };
+        return match distance {
+            Some(distance) => (distance, if uncertain { error } else { 0.0 }),
+            None => (1.0 + continuity.0, error),
+        };
+    }
     let z = match form {
-        Form::Mutual => there.abs().max(off((j, q), (i, p)).abs()),
+        Form::Mutual | Form::Parameters => there.abs().max(off((j, q), (i, p)).abs()),
         Form::Printed => there,
     };
     let facing = |f: usize| f64::from(store.normal[f][2]).clamp(0.05, 1.0);
@@ -77,7 +110,7 @@ fn least(values: impl Iterator<Item = (usize, (f64, f64))>) -> Option<(usize, f6
     // Stable, so that the nearer layer stays first.
     all.sort_by(|a, b| a.1.0.total_cmp(&b.1.0));
     let &(index, (value, error)) = all.first()?;
-    let near = all.get(1).is_some_and(|&(_, (second, other))| second - value <= TOLERANCE + error.max(other));
+    let near = all[1..].iter().any(|&(_, (second, other))| second - value <= TOLERANCE + error.max(other));
     Some((index, value, near))
 }
 
@@ -107,7 +140,7 @@ pub fn neighbours_by_continuity(
             let own = store.range(p).filter(alike);
             let agreed = if !check {
                 true
-            } else if form == Form::Mutual {
+            } else if form != Form::Printed {
                 let back = least(own.map(|k| (k, measure((j, q), (k, p)))));
                 ambiguous[d] |= back.is_some_and(|(_, _, near)| near);
                 back.is_some_and(|(k, ..)| k == i)
@@ -195,6 +228,68 @@ mod tests {
         let printed = neighbours_by_continuity(&store, &extents(), &view, Form::Printed, true);
         assert_eq!(printed.links[2][0], Link::To(1), "the wrong face");
         assert_eq!(printed.links[2][2], Link::Unknown);
+    }
+
+    /// The same row with places in the parametrization: (u, step).
+    fn placed(mut store: StoreData, places: &[(f32, f32)]) -> StoreData {
+        store.parameters = places.iter().map(|&(u, step)| [u, 0.0, step, 0.0]).collect();
+        store
+    }
+
+    fn links_by_parameters(store: &StoreData, view: &View) -> Vec<[Link; 4]> {
+        let found = neighbours_by_continuity(store, &extents(), view, Form::Parameters, true);
+        assert_eq!(one_way(store, &found.links), 0);
+        found.links
+    }
+
+    /// Two sheets cross between two pixels: depth and normal continue each along the other, parameters do not.
+    #[test]
+    fn sheets_that_nearly_touch_are_told_apart_by_their_parameters() {
+        let (store, view) = row(&[&[(0, 2.0, 0.0), (0, 2.01, 0.0)], &[(0, 2.0, 0.0), (0, 2.01, 0.0)]]);
+        // The near layer of the first pixel is the far one of the second: u = 0.10 to 0.11, and 0.70 to 0.71.
+        let store = placed(store, &[(0.10, 0.01), (0.70, 0.01), (0.71, 0.01), (0.11, 0.01)]);
+        let by_depth = neighbours_by_continuity(&store, &extents(), &view, Form::Mutual, true).links;
+        assert_eq!((by_depth[0][0], by_depth[1][0]), (Link::To(0), Link::To(1)));
+        let links = links_by_parameters(&store, &view);
+        assert_eq!((links[0][0], links[1][0]), (Link::To(1), Link::To(0)));
+        assert_eq!((links[2][1], links[3][1]), (Link::To(1), Link::To(0)));
+    }
+
+    #[test]
+    fn a_seam_and_what_has_no_parameters_go_by_continuity() {
+        let (store, view) = row(&[&[(0, 2.0, 0.0), (0, 3.0, 0.0)], &[(0, 2.0, 0.0), (0, 3.0, 0.0)]]);
+        // The near sheet jumps from 0.99 to 0.01, as an angle does; the far one goes on.
+        let seam = placed(store.clone(), &[(0.99, 0.01), (0.5, 0.01), (0.01, 0.01), (0.51, 0.01)]);
+        let by_depth = neighbours_by_continuity(&store, &extents(), &view, Form::Mutual, true).links;
+        assert_eq!(links_by_parameters(&seam, &view), by_depth);
+        // A pair that is near takes precedence over one beyond a seam, however well that continues.
+        let pair = placed(store.clone(), &[(0.99, 0.01), (0.5, 0.01), (0.49, 0.01), (0.98, 0.01)]);
+        assert_eq!(links_by_parameters(&pair, &view)[0][0], Link::To(1));
+        // Four steps are near, five are not.
+        for (u, expected) in [(0.54, Link::To(1)), (0.55, Link::To(0))] {
+            let far = placed(store.clone(), &[(0.5, 0.01), (0.1, 0.01), (0.9, 0.01), (u, 0.01)]);
+            assert_eq!(links_by_parameters(&far, &view)[0][0], expected, "{u}");
+        }
+        for none in [store.clone(), placed(store, &[(0.0, 0.0); 4])] {
+            assert_eq!(links_by_parameters(&none, &view), by_depth);
+        }
+    }
+
+    /// T13, whatever parameters say.
+    #[test]
+    fn links_by_parameters_are_mutual() {
+        let mut random = crate::scene::builtin::Random::new(13);
+        for _ in 0..50 {
+            let lists: Vec<Vec<(u32, f64, f64)>> = (0..6)
+                .map(|_| (0..5).map(|_| (0, 2.0 + 4.0 * random.unit(), 4.0 * random.unit() - 2.0)).collect())
+                .collect();
+            let slices: Vec<&[(u32, f64, f64)]> = lists.iter().map(Vec::as_slice).collect();
+            let (store, view) = row(&slices);
+            let places: Vec<(f32, f32)> =
+                (0..30).map(|_| (random.unit() as f32, 0.1 * random.below(3) as f32 * random.unit() as f32)).collect();
+            let links = links_by_parameters(&placed(store, &places), &view);
+            assert!(links.iter().flatten().any(|l| matches!(l, Link::To(_))));
+        }
     }
 
     #[test]

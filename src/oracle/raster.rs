@@ -25,7 +25,7 @@ use super::cut::ViewCut;
 use super::texture;
 use super::view::View;
 use crate::math::{Camera, Projection};
-use crate::scene::{AlphaMode, CutPlane, Material, Part, Primitive, Scene};
+use crate::scene::{AlphaMode, CutPlane, Material, Parametrization, Part, Primitive, Scene};
 
 /// What a surface is made of at one point, before light.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,6 +67,9 @@ pub struct Fragment {
     pub barycentrics: [f64; 3],
     /// Material at this point.
     pub surface: SurfaceInputs,
+    /// Place in the surface's parametrization, radii of the part, and how far it goes along the triangle over a pixel in x and
+    /// in y.
+    pub parameters: Option<[f64; 4]>,
     /// Whether a GPU may rightly see it otherwise.
     pub ambiguous: bool,
 }
@@ -122,9 +125,11 @@ pub fn rasterize_cut(scene: &Scene, camera: &Camera, planes: &[CutPlane], size: 
         perspective: matches!(camera.projection, Projection::Perspective { .. }),
         cut: ViewCut::new(planes, camera, View::new(camera, size, jitter)),
     };
+    let parametrizations: Vec<_> = scene.meshes.iter().map(Parametrization::of).collect();
     for (index, part) in scene.parts.iter().enumerate() {
         let Some(mesh) = scene.meshes.get(part.mesh) else { continue };
-        let placed = PlacedPart::new(&frame, part, index as u32);
+        let placed =
+            PlacedPart { parametrization: parametrizations[part.mesh], ..PlacedPart::new(&frame, part, index as u32) };
         let mut number = part.first_triangle;
         for primitive in &mesh.primitives {
             for &corners in &primitive.triangles {
@@ -168,6 +173,7 @@ struct PlacedPart {
     /// Inverse transpose up to a positive factor.
     normal_from_part: DMat3,
     mirrored: bool,
+    parametrization: Option<Parametrization>,
 }
 
 impl PlacedPart {
@@ -180,7 +186,7 @@ impl PlacedPart {
         let mirrored = m.determinant() < 0.0;
         let sign = if mirrored { -1.0 } else { 1.0 };
         let normal_from_part = if longest > 0.0 { cofactor * (sign / longest) } else { DMat3::ZERO };
-        PlacedPart { index, view_from_part, normal_from_part, mirrored }
+        PlacedPart { index, view_from_part, normal_from_part, mirrored, parametrization: None }
     }
 }
 
@@ -217,6 +223,8 @@ struct Triangle<'a> {
     normals_in_view: [DVec3; 3],
     geometric_normal: DVec3,
     side: bool,
+    /// Scaled parameters of the vertices.
+    parameters: Option<[DVec2; 3]>,
     clip: [DVec4; 3],
     /// The facing of the normal hangs on a rounding error.
     uncertain_side: bool,
@@ -263,6 +271,10 @@ impl<'a> Triangle<'a> {
             normals_in_view: normals.map(|n| part.normal_from_part * n),
             geometric_normal,
             side: front_facing ^ part.mirrored ^ opposed,
+            parameters: part
+                .parametrization
+                .filter(|_| Parametrization::covers(primitive))
+                .map(|known| corners.map(|c| known.scaled(primitive.uvs[0][c]))),
             clip: positions_in_view.map(|p| frame.clip_from_view * p.extend(1.0)),
             uncertain_side: agreement.abs() < 1e-6 * winding.length() * sum.length(),
         })
@@ -356,6 +368,15 @@ impl<'a> Triangle<'a> {
             side: self.side,
             barycentrics,
             surface,
+            parameters: self.parameters.map(|corners| {
+                let at = |step: DVec2| {
+                    let values = edges.map(|e| e.at(sample + step));
+                    let sum: f64 = values.iter().sum();
+                    (0..3).map(|i| corners[i] * (values[i] / sum)).sum::<DVec2>()
+                };
+                let here = at(DVec2::ZERO);
+                [here.x, here.y, at(DVec2::X).distance(here), at(DVec2::Y).distance(here)]
+            }),
             ambiguous: uncertain || mask.uncertain || self.uncertain_side,
         });
     }

@@ -46,6 +46,9 @@ pub struct StoreData {
     pub emissive: Vec<[f32; 3]>,
     /// Whether base colour is shown as it is.
     pub unlit: Vec<bool>,
+    /// Place in the surface's parametrization, radii of the part, and how far it goes over a pixel in x and in y; all zero where
+    /// the surface has none. Empty if nobody asked.
+    pub parameters: Vec<[f32; 4]>,
 }
 
 impl StoreData {
@@ -76,6 +79,7 @@ impl StoreData {
                 store.occlusion.push(s.occlusion as f32);
                 store.emissive.push(s.emissive.map(|c| c as f32));
                 store.unlit.push(s.unlit);
+                store.parameters.push(f.parameters.map_or([0.0; 4], |p| p.map(|c| c as f32)));
             }
         }
         store

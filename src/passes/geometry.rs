@@ -63,6 +63,8 @@ struct GpuPrimitive {
     normals: wgpu::Buffer,
     /// Colour, uv sets, tangent; only where something reads them.
     extras: Option<wgpu::Buffer>,
+    /// Scaled parameters, where the mesh has a parametrization.
+    parameters: Option<wgpu::Buffer>,
     indices: wgpu::Buffer,
     /// Its run of `indices`.
     run: std::ops::Range<u32>,
@@ -90,6 +92,8 @@ pub enum Vertices {
     Depth,
     /// Also the surface.
     Surface,
+    /// Depth, identity and parameters, of primitives that have a parametrization.
+    Parameters,
 }
 
 /// Instances of one frame, in draw order, and the run of each mesh.
@@ -254,7 +258,18 @@ fn vertex_module(vertices: Vertices, textured: bool) -> (&'static str, u32) {
     match (vertices, textured) {
         (Vertices::Depth, false) => ("scene/vertex_depth", 1),
         (Vertices::Surface, false) => ("scene/vertex_plain", 2),
+        // Parameters take the place of normals in the second stream. What a mask cuts out is not in the store: no texture is read.
+        (Vertices::Parameters, _) => ("scene/vertex_parameters", 2),
         (_, true) => ("scene/vertex_textured", 3),
+    }
+}
+
+/// Whether a pass reads the textures of a primitive of this material.
+fn reads_textures(vertices: Vertices, material: &GpuMaterial) -> bool {
+    match vertices {
+        Vertices::Surface => true,
+        Vertices::Depth => material.masked,
+        Vertices::Parameters => false,
     }
 }
 
@@ -305,19 +320,24 @@ fn draw_runs(
     for (mesh, run) in &instances.runs {
         for primitive in &scene.primitives[scene.primitives_of_mesh[*mesh].clone()] {
             let material = &scene.materials[primitive.material];
-            let textured = primitive.extras.is_some() && (vertices == Vertices::Surface || material.masked);
+            let textured = primitive.extras.is_some() && reads_textures(vertices, material);
             let (kernel, group) = match (&pipelines.textured, &groups.textured) {
                 (Some(kernel), Some(group)) if textured => (kernel, group),
                 _ => (&pipelines.plain, &groups.plain),
             };
+            let second = match vertices {
+                Vertices::Parameters => primitive.parameters.as_ref(),
+                Vertices::Depth | Vertices::Surface => Some(&primitive.normals),
+            };
+            let Some(second) = second else { continue };
             if bound != Some(textured) {
                 pass.set_pipeline(&kernel.pipeline);
                 pass.set_bind_group(1, group, &[]);
                 bound = Some(textured);
             }
             pass.set_vertex_buffer(0, primitive.place.slice(..));
-            if vertices == Vertices::Surface || textured {
-                pass.set_vertex_buffer(1, primitive.normals.slice(..));
+            if vertices != Vertices::Depth || textured {
+                pass.set_vertex_buffer(1, second.slice(..));
                 pass.set_bind_group(2, if textured { &material.textured } else { &material.plain }, &[]);
             }
             if textured && let Some(extras) = &primitive.extras {
@@ -341,10 +361,8 @@ fn pipelines(
         let spec = fragment(ShaderSpec::new(module));
         context.shaders.raster(&spec, &RasterSpec { streams, textured, ..base })
     };
-    let needs_textured = scene
-        .primitives
-        .iter()
-        .any(|p| p.extras.is_some() && (vertices == Vertices::Surface || scene.materials[p.material].masked));
+    let needs_textured =
+        scene.primitives.iter().any(|p| p.extras.is_some() && reads_textures(vertices, &scene.materials[p.material]));
     Ok(Pipelines { plain: kernel(false)?, textured: if needs_textured { Some(kernel(true)?) } else { None } })
 }
 

@@ -8,7 +8,7 @@ use std::collections::HashSet;
 
 use super::capture::{bucketed_k_buffer, buckets, compacted, linked_list, sort};
 use super::composite::outline;
-use super::features::{curvature, neighbours};
+use super::features::{curvature, neighbours, parameters};
 use super::geometry::{CLIP, Vertices, vertex_stages};
 use super::store::StoreModules;
 use super::{composite, illustration, opacity, opaque, operators, shade};
@@ -93,6 +93,8 @@ fn shaders_of(plan: &FramePlan, pass: Pass) -> Vec<Used> {
         Pass::ZReordering => sorted(plan, buckets::SORTED, !plan.runs(Pass::Sort) || by_selection(plan)),
         Pass::BucketCreation => one(buckets::bucket_creation_spec(plan)),
         Pass::DataStorage => drawn(Vertices::Surface, &|v| bucketed_k_buffer::data_storage_spec(plan, v)),
+        // One vertex stage serves textured primitives too.
+        Pass::Parametrize => drawn(Vertices::Parameters, &|v| parameters::spec(plan, v)).into_iter().take(1).collect(),
         Pass::NeighbourCandidates => {
             plan.features.iter().map(|f| (neighbours::candidates_spec(plan, f), MAIN)).collect()
         }
@@ -129,7 +131,7 @@ fn shaders_of(plan: &FramePlan, pass: Pass) -> Vec<Used> {
 pub fn all_plans() -> Vec<FramePlan> {
     let capabilities = Capabilities { max_storage_buffers: 32, atomic_min_64: true, ..Capabilities::default() };
     let empty = SceneStats::of(&Scene::default());
-    let plain = SceneStats { parts: 9, ..empty.clone() };
+    let plain = SceneStats { parts: 9, parametrized_parts: 1, ..empty.clone() };
     let scenes = [
         SceneStats { parts: 1, blended_materials: 1, ..empty },
         SceneStats { recolored_parts: 1, selected_parts: 1, ..plain.clone() },

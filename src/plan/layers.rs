@@ -92,7 +92,17 @@ pub(super) fn choose_features(
     let radius = (c.radius * shorter).round().max(1.0) as u32;
     let line = (c.line_width * shorter).max(1.0);
     let by_buckets = settings.features.neighbours == NeighbourSearch::Buckets;
-    let search = if by_buckets && settings.features.depth_term == DepthTerm::ContinuityPrinted {
+    let depth_term = match settings.features.depth_term {
+        DepthTerm::Parameters if scene.parametrized_parts == 0 => {
+            draft.skip("parametrize", "no part has a parametrization: neighbours are found by continuity");
+            DepthTerm::Continuity
+        }
+        term => term,
+    };
+    let search = if by_buckets && depth_term == DepthTerm::Parameters {
+        draft.skip("buckets", "depth bounds no distance in parameters: every layer has to be looked at");
+        NeighbourSearch::BruteForce
+    } else if by_buckets && depth_term == DepthTerm::ContinuityPrinted {
         draft.skip("buckets", "a signed difference of depth bounds nothing: every layer has to be looked at");
         NeighbourSearch::BruteForce
     } else if by_buckets && !settings.features.reverse_check {
@@ -110,7 +120,7 @@ pub(super) fn choose_features(
     Features {
         curvature,
         search,
-        depth_term: settings.features.depth_term,
+        depth_term,
         reverse_check: settings.features.reverse_check,
         radius,
         reach: if curvature { radius.max(line.ceil() as u32) } else { 1 },
@@ -193,6 +203,13 @@ pub(super) fn plan_layers(
         } else {
             draft.skip("z reordering, bucket creation", "nothing searches by part");
         }
+    }
+    if features.is_some_and(|f| f.depth_term == DepthTerm::Parameters) {
+        let without = match scene.parts - scene.parametrized_parts.min(scene.parts) {
+            0 => String::new(),
+            n => format!("; {} measured by continuity", counted(n, "without a parametrization is", "without one are")),
+        };
+        draft.run(Pass::Parametrize, format!("neighbours are near in the surface's parametrization{without}"));
     }
     let wants_neighbours = match opacity {
         _ if features.is_some_and(|f| f.curvature) => "curvature needs neighbours",

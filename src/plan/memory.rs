@@ -74,6 +74,9 @@ fn columns(plan: &FramePlan) -> Vec<(&'static str, u64)> {
     if plan.runs(Pass::ZReordering) {
         all.extend([("by_part", 4), ("buckets", 8)]);
     }
+    if plan.runs(Pass::Parametrize) {
+        all.push(("parameters", 16));
+    }
     if plan.runs(Pass::NeighbourCandidates) {
         all.extend([("candidates_ahead", 4), ("candidates_behind", 8)]);
     }

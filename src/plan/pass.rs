@@ -37,6 +37,8 @@ pub enum Pass {
     BucketCreation,
     /// Surfaces of the stored keys (Murray 2016, step 4).
     DataStorage,
+    /// Where in its surface's parametrization every layer lies.
+    Parametrize,
     /// Best candidate in each direction.
     NeighbourCandidates,
     /// Reverse check.
@@ -71,7 +73,7 @@ pub enum Pass {
 
 impl Pass {
     /// All passes, in order.
-    pub const ALL: [Pass; 30] = [
+    pub const ALL: [Pass; 31] = [
         Pass::Opaque,
         Pass::ShowOpaque,
         Pass::Clear,
@@ -87,6 +89,7 @@ impl Pass {
         Pass::ZReordering,
         Pass::BucketCreation,
         Pass::DataStorage,
+        Pass::Parametrize,
         Pass::NeighbourCandidates,
         Pass::NeighbourLinks,
         Pass::CutLinks,
@@ -122,6 +125,7 @@ impl Pass {
             Pass::ZReordering => "z reordering",
             Pass::BucketCreation => "bucket creation",
             Pass::DataStorage => "data storage",
+            Pass::Parametrize => "parametrize",
             Pass::NeighbourCandidates => "neighbour candidates",
             Pass::NeighbourLinks => "neighbour links",
             Pass::CutLinks => "cut links",

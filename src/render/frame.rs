@@ -14,7 +14,7 @@ use crate::math::color::linear_from_srgb;
 use crate::math::{Camera, LinearImage, Projection, ViewFrustum};
 use crate::passes::capture::{LayerCounts, STATISTICS_WORDS, bucketed_k_buffer, buckets, compacted, linked_list, sort};
 use crate::passes::composite::outline;
-use crate::passes::features::{self, curvature, neighbours};
+use crate::passes::features::{self, curvature, neighbours, parameters};
 use crate::passes::geometry::{GpuScene, Instances};
 use crate::passes::{
     BlendParameters, Context, FrameUniform, StoreLayout, composite, illustration, opacity, opaque, operators, shade,
@@ -245,7 +245,7 @@ pub(super) fn capture_rows(context: &mut Context<'_>, scene: &GpuScene) -> Resul
     if found_by_bucket {
         bucketed_k_buffer::data_storage(context, scene)?;
     }
-    Ok(())
+    parameters::parametrize(context, scene)
 }
 
 /// Whole lists, once there is room for what [`count_band`] counted.
@@ -258,7 +258,8 @@ pub(super) fn capture_counted(context: &mut Context<'_>, scene: &GpuScene) -> Re
         compacted::sort_by_depth(context)?;
     }
     compacted::gather(context)?;
-    bucket_passes(context)
+    bucket_passes(context)?;
+    parameters::parametrize(context, scene)
 }
 
 /// All rows of the image.

@@ -152,6 +152,7 @@ impl Renderer {
         let parts = self.read_optional("parts")?;
         let ahead = self.read_optional("links_ahead")?;
         let behind = self.read_optional("links_behind")?;
+        let parameters = self.read_optional("parameters")?;
         let kappas = self.read_optional("kappas")?;
         let fields = match plan.illustration {
             Some(i) => self.read_words(operators::column_after(i.most_steps))?,
@@ -223,6 +224,9 @@ impl Renderer {
                 store.occlusion.push(byte(16));
                 store.unlit.push(word >> 24 & 1 != 0);
                 store.side.push(word >> 25 & 1 == 0);
+                if let Some(p) = parameters.get(4 * i..4 * i + 4) {
+                    store.parameters.push([0, 1, 2, 3].map(|c| f32::from_bits(p[c])));
+                }
                 store.emissive.push(unpack_rgb9e5(materials[2 * i + 1]));
                 out.words.push([
                     depth_key,

@@ -208,6 +208,9 @@ pub enum Measure {
     FieldOpacityError,
     /// Share of layers at which a halo begins or a highlight is stopped, in a picture in which nothing ends.
     Halos,
+    /// Share of layers at which a halo begins, a highlight is stopped or a silhouette is seen, though no contour of any part passes
+    /// within two pixels.
+    HalosOffContours,
     /// Random scenes, as tiles of pictures, of which any stage differs from the oracle.
     RandomScenes,
 }
@@ -241,7 +244,7 @@ impl Measure {
             Measure::LinksOneWay => "links one way",
             Measure::FieldError => "worst field",
             Measure::FieldOpacityError => "worst opacity",
-            Measure::Halos => "false halos",
+            Measure::Halos | Measure::HalosOffContours => "false halos",
             Measure::RandomScenes => "random scenes wrong",
         }
     }
@@ -263,6 +266,7 @@ impl Measure {
             | Measure::OrderDependence(_)
             | Measure::LinksOneWay
             | Measure::Halos
+            | Measure::HalosOffContours
             | Measure::PictureUnlike(_) => " %",
             Measure::NormalError => "°",
             Measure::ColorError

@@ -18,6 +18,7 @@ pub mod cut;
 mod digest;
 pub mod hard_case;
 mod normals;
+mod parametrization;
 mod statistics;
 
 use std::sync::Arc;
@@ -30,6 +31,7 @@ use crate::math::{Bounds, Projection};
 pub use arrangement::{Arrangement, ArrangementError, PartLook, PartStyle, Presence, Section};
 pub use cut::{Cap, Cut, CutPlane, Solids};
 pub use normals::{compute_normals, interpolated_normals, reweighted_normals};
+pub use parametrization::Parametrization;
 pub use statistics::SceneStats;
 
 /// A whole scene. Build it, then call [`Scene::finish`], which numbers the triangles and computes what is derived.

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{AlphaMode, Scene};
+use super::{AlphaMode, Parametrization, Scene};
 use crate::math::Bounds;
 
 /// Facts about a scene on which a plan depends.
@@ -22,6 +22,8 @@ pub struct SceneStats {
     pub emissive_materials: u64,
     /// Materials with at least one texture.
     pub textured_materials: u64,
+    /// Parts whose mesh has a parametrization.
+    pub parametrized_parts: u64,
     /// Box around everything that is drawn, scene units.
     pub bounds: Bounds,
     /// Drawn parts whose opacity is multiplied by less than 1.
@@ -56,6 +58,7 @@ impl SceneStats {
             }
             scene.materials.iter().zip(used).filter_map(|(m, used)| used.then_some(m)).collect()
         };
+        let parametrized: Vec<bool> = scene.meshes.iter().map(|mesh| Parametrization::of(mesh).is_some()).collect();
         let count = |f: &dyn Fn(&&super::Material) -> bool| used.iter().filter(|m| f(m)).count() as u64;
         SceneStats {
             parts: scene.parts.len() as u64,
@@ -65,6 +68,7 @@ impl SceneStats {
             masked_materials: count(&|m| matches!(m.alpha_mode, AlphaMode::Mask { .. })),
             emissive_materials: count(&|m| m.emissive != [0.0; 3]),
             textured_materials: count(&|m| m.texture_refs().next().is_some()),
+            parametrized_parts: scene.parts.iter().filter(|p| parametrized[p.mesh]).count() as u64,
             bounds: scene.bounds(),
             faded_parts: 0,
             solid_parts: 0,

@@ -129,6 +129,8 @@ choice! {
         Continuity = "continuity",
         /// The same as printed: with its sign and one layer's slope, so that most links go one way (T13).
         ContinuityPrinted = "continuity_printed",
+        /// Distance in the surface's own parametrization, its first texture coordinates; continuity where it has none.
+        Parameters = "parameters",
     }
 }
 

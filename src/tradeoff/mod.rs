@@ -4,8 +4,9 @@
 //! makes configurations of them, [`mod@reference`] what they are compared with, [`sweep`] measures each (errors of the picture
 //! and of its layers, time whole and by pass), and [`report`] writes it all down, with [`page`] and [`diagram`] for the eye.
 //! [`budget`] chooses settings by a promise about time or error, and [`kept`] keeps what it measured. [`gate`] lets others work
-//! first. [`flicker`] measures what is wrong between frames. [`limits`] turns the errors into a verdict for continuous integration. [`hard_cases`] runs what is numerically hard,
-//! which techniques declare in the same way, against the oracle.
+//! first. [`flicker`] measures what is wrong between frames, and [`study`] how plainly a picture says what lies in front. [`limits`]
+//! turns the errors into a verdict for continuous integration. [`hard_cases`] runs what is numerically hard, which techniques
+//! declare in the same way, against the oracle.
 
 pub mod axis;
 pub mod budget;
@@ -24,6 +25,7 @@ mod picture;
 pub mod reference;
 pub mod report;
 pub mod statistics;
+pub mod study;
 pub mod sweep;
 pub mod table;
 pub mod words;

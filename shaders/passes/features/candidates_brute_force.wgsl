@@ -16,7 +16,7 @@ struct Seeker {
 }
 
 // The layer with the least epsilon; of equals the nearer.
-fn best_candidate(adjacent: Adjacent, direction: u32, seeker: Seeker) -> u32 {
+fn best_candidate(adjacent: Adjacent, direction: u32, own: u32, seeker: Seeker) -> u32 {
     if !adjacent.inside[direction] {
         return UNKNOWN;
     }
@@ -29,7 +29,8 @@ fn best_candidate(adjacent: Adjacent, direction: u32, seeker: Seeker) -> u32 {
         let slot = base + layer;
         let shape = layer_shape(slot);
         let back = difference_back(seeker.x, seeker.y, direction, seeker.depth, seeker.part, shape);
-        let epsilon = neighbour_epsilon(seeker.normal, seeker.expected[direction], seeker.inverse_unit, shape, back).x;
+        let continuity = neighbour_epsilon(seeker.normal, seeker.expected[direction], seeker.inverse_unit, shape, back).x;
+        let epsilon = judged(own, slot, direction, continuity);
         if parts[slot] == seeker.part && epsilon < least {
             least = epsilon;
             best = layer;
@@ -55,7 +56,12 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         let y = id.y + frame.first_row;
         let expected = expected_depths(id.x, y, shape.depth, shape.normal);
         let seeker = Seeker(id.x, y, part, shape.depth, shape.normal, inverse_depth_unit(shape.depth, part), expected);
-        candidates_ahead[slot] = best_candidate(adjacent, 0u, seeker) | (best_candidate(adjacent, 2u, seeker) << 16u);
-        candidates_behind[slot] = vec2<u32>(best_candidate(adjacent, 1u, seeker), best_candidate(adjacent, 3u, seeker));
+        let right = best_candidate(adjacent, 0u, slot, seeker);
+        let below = best_candidate(adjacent, 2u, slot, seeker);
+        candidates_ahead[slot] = right | (below << 16u);
+        candidates_behind[slot] = vec2<u32>(
+            best_candidate(adjacent, 1u, slot, seeker),
+            best_candidate(adjacent, 3u, slot, seeker),
+        );
     }
 }

@@ -3,6 +3,7 @@
 pub mod cases;
 pub mod curvature;
 pub mod neighbours;
+pub mod parameters;
 
 use crate::plan::FramePlan;
 

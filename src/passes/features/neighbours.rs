@@ -14,6 +14,10 @@
 //!   the difference itself instead of its square, and of the two layers' differences the larger, so that ε is the same both
 //!   ways and the best pair of two pixels is always linked (T13). As printed, with a sign and one layer's slope, most links
 //!   go one way: `ContinuityPrinted` is kept for comparison.
+//! - `Parameters`: distance in the surface's own parametrization (Carnecky 2013, section 4.4, leaves it at the remark that this
+//!   is the measure for integral surfaces). Where sheets nearly touch, or turn within a pixel, depth and normal do not tell them
+//!   apart, but their parameters do: [`super::parameters`] says how they are measured and what becomes of seams and of parts
+//!   that have none.
 //!
 //! A candidate that does not see the layer as its own candidate is no neighbour (reverse check). *Missing* means the surface
 //! ends; *unknown* means nothing can be said: beyond the image, in a pixel that lost layers, or where the surface would go on
@@ -68,7 +72,7 @@ fn search_spec(plan: &FramePlan, features: &Features, root: &'static str) -> Sha
             "passes/features/depth_unit_pixel",
             "passes/features/measure_one_way",
         ],
-        DepthTerm::Continuity => [
+        DepthTerm::Continuity | DepthTerm::Parameters => [
             "passes/features/expected_depth_slope",
             "passes/features/depth_unit_part",
             "passes/features/measure_continuity",
@@ -84,7 +88,11 @@ fn search_spec(plan: &FramePlan, features: &Features, root: &'static str) -> Sha
 
 /// The shader of [`Pass::NeighbourCandidates`], by brute force.
 pub fn candidates_spec(plan: &FramePlan, features: &Features) -> ShaderSpec {
-    search_spec(plan, features, "passes/features/candidates_brute_force")
+    let judge = match features.depth_term {
+        DepthTerm::Parameters => "passes/features/judge_parameters",
+        _ => "passes/features/judge_alone",
+    };
+    search_spec(plan, features, "passes/features/candidates_brute_force").with(judge)
 }
 
 /// The shader of [`Pass::NeighbourLinks`]: the whole search by buckets, or the check of candidates.

@@ -77,6 +77,7 @@ impl GpuScene {
                 place: place.clone(),
                 normals: normals.clone(),
                 extras: None,
+                parameters: None,
                 indices: indices.clone(),
                 run,
             });

@@ -11,8 +11,8 @@ use crate::math::color::{linear_from_srgb, srgb_from_linear};
 use crate::passes::{MaterialUniform, PartFacts};
 use crate::scene::cut::tinted;
 use crate::scene::{
-    AlphaMode, Arrangement, Cut, Image, Material, Mip, Part, PartStyle, Presence, Primitive, Scene, SceneStats, Solids,
-    TextureRef, Wrap,
+    AlphaMode, Arrangement, Cut, Image, Material, Mip, Parametrization, Part, PartStyle, Presence, Primitive, Scene,
+    SceneStats, Solids, TextureRef, Wrap,
 };
 
 /// How many scenes have been uploaded.
@@ -111,7 +111,7 @@ struct Extras {
 fn upload_primitive(
     gpu: &Gpu,
     primitive: &Primitive,
-    needs_extras: bool,
+    (needs_extras, parametrization): (bool, Option<Parametrization>),
     first: u32,
     shuffled: Option<u64>,
 ) -> Result<GpuPrimitive, GpuError> {
@@ -142,11 +142,20 @@ fn upload_primitive(
     } else {
         None
     };
+    let parameters = match parametrization.filter(|_| Parametrization::covers(primitive)) {
+        Some(known) => {
+            let scaled: Vec<[f32; 3]> =
+                sources().map(|s| known.scaled(primitive.uvs[0][s]).extend(0.0).as_vec3().to_array()).collect();
+            Some(gpu.buffer_of("parameters", bytemuck::cast_slice(&scaled), vertex)?)
+        }
+        None => None,
+    };
     Ok(GpuPrimitive {
         material: primitive.material,
         place: gpu.buffer_of("places", bytemuck::cast_slice(&places), vertex)?,
         normals: gpu.buffer_of("normals", bytemuck::cast_slice(&normals), vertex)?,
         extras,
+        parameters,
         indices: gpu.buffer_of("indices", bytemuck::cast_slice(&numbered.triangles), wgpu::BufferUsages::INDEX)?,
         run: 0..3 * numbered.triangles.len() as u32,
     })
@@ -433,6 +442,7 @@ impl GpuScene {
         let mut primitives_of_mesh = Vec::with_capacity(scene.meshes.len());
         for (mesh, shown) in scene.meshes.iter().zip(shown) {
             let begin = primitives.len();
+            let parametrization = if shown { Parametrization::of(mesh) } else { None };
             let mut first = 0;
             for primitive in mesh.primitives.iter().filter(|_| shown) {
                 let count = primitive.triangles.len() as u32;
@@ -440,7 +450,7 @@ impl GpuScene {
                     let textured = scene.materials[primitive.material].texture_refs().next().is_some();
                     let extras = textured || !primitive.colors.is_empty();
                     let seed = shuffled.map(|s| s ^ u64::from(first));
-                    primitives.push(upload_primitive(gpu, primitive, extras, first, seed)?);
+                    primitives.push(upload_primitive(gpu, primitive, (extras, parametrization), first, seed)?);
                 }
                 first += count;
             }

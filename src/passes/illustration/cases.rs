@@ -145,4 +145,21 @@ pub const CASES: &[HardCase] = &[
         measure: Measure::Halos,
         bound: 0.0,
     },
+    HardCase {
+        name: "t19-press-fit",
+        trap: "T19",
+        why: "A press fit: sleeve in bore, key in keyway, pins and plates, every face in the place of another's. Which of two \
+              lies in front is up to the last bit of depth, so bare index steps sprinkle every contact with halos. Away from the \
+              contours that the geometry has, nothing may begin.",
+        scene: Builtin("builtin:contact"),
+        camera: CaseCamera::CORNER,
+        size: [160, 160],
+        ours: OURS,
+        contrast: Some(Printed(Method::of(
+            "bare index steps",
+            "opacity.model=illustrative opacity.illustrative.printed=index_steps",
+        ))),
+        measure: Measure::HalosOffContours,
+        bound: 0.0,
+    },
 ];

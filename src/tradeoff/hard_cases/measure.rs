@@ -71,7 +71,7 @@ impl<'a> Stand<'a> {
         Ok(Stand { r, case, method, settings, scene, sections, effort })
     }
 
-    fn camera(&self, scene: &Scene) -> Camera {
+    pub(super) fn camera(&self, scene: &Scene) -> Camera {
         self.case.camera.of(&scene.bounds(), self.case.size)
     }
 
@@ -103,6 +103,7 @@ impl<'a> Stand<'a> {
             Measure::FieldError => self.field_error(),
             Measure::FieldOpacityError => self.field_opacity_error(),
             Measure::Halos => self.halos(),
+            Measure::HalosOffContours => self.halos_off_contours(),
             Measure::RandomScenes => random::scenes(self),
         }
     }
