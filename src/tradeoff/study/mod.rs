@@ -58,10 +58,11 @@ pub const CONTENDERS: &[Contender] = &[
     Contender {
         name: "illustrative",
         look: None,
-        settings: "opacity.model=illustrative",
+        settings: "opacity.model=illustrative opacity.illustrative.base=adaptive opacity.illustrative.base_gain=1 \
+                   opacity.illustrative.unit=pixel opacity.illustrative.feature_size=0",
         gains: &["opacity.adaptive"],
     },
-    Contender { name: "pellucid", look: Some("pellucid"), settings: "", gains: &["opacity.gain"] },
+    Contender { name: "pellucid", look: Some("pellucid"), settings: "", gains: &["opacity.illustrative.base_gain"] },
 ];
 
 /// Why a study could not be made.
