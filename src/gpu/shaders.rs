@@ -253,7 +253,8 @@ impl Shaders {
     /// # Errors
     /// [`GpuError::Shader`] if it does not compile.
     pub fn kernel(&self, spec: &ShaderSpec, entry: &str) -> Result<Arc<Kernel>, GpuError> {
-        let compile = |composed: &Composed| kernel::compile_compute(&self.gpu, &self.shared, spec.root, composed, entry);
+        let compile =
+            |composed: &Composed| kernel::compile_compute(&self.gpu, &self.shared, spec.root, composed, entry);
         self.compiled(&self.kernels, spec, entry, compile)
     }
 
@@ -262,7 +263,8 @@ impl Shaders {
     /// # Errors
     /// [`GpuError::Shader`] if it does not compile.
     pub fn raster(&self, spec: &ShaderSpec, raster: &RasterSpec) -> Result<Arc<RasterKernel>, GpuError> {
-        let compile = |composed: &Composed| kernel::compile_raster(&self.gpu, &self.shared, spec.root, composed, raster);
+        let compile =
+            |composed: &Composed| kernel::compile_raster(&self.gpu, &self.shared, spec.root, composed, raster);
         self.compiled(&self.raster, spec, &format!("{raster:?}"), compile)
     }
 }

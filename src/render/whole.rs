@@ -29,10 +29,8 @@ pub(super) fn draw_whole(
         work.submit_times(tally)?;
         let words = |bytes: &[u8]| bytes.chunks_exact(4).map(bytemuck::pod_read_unaligned).collect::<Vec<u32>>();
         let buffer = |name| renderer.resources.require("prefix sum", name);
-        let wanted = [
-            (buffer("row_sums")?, 4 * u64::from(end - first)),
-            (buffer("statistics")?, 4 * STATISTICS_WORDS as u64),
-        ];
+        let wanted =
+            [(buffer("row_sums")?, 4 * u64::from(end - first)), (buffer("statistics")?, 4 * STATISTICS_WORDS as u64)];
         let read = renderer.gpu.read_buffers(&wanted)?;
         rows.extend(words(&read[0]).into_iter().map(u64::from));
         deepest = deepest.max(words(&read[1])[BAND_DEEPEST]);

@@ -76,7 +76,8 @@ mod tests {
 
     #[test]
     fn forms_that_are_looked_at_for_failing_still_fail() {
-        let settings = Settings::from_pairs("opacity.model=illustrative opacity.illustrative.printed=laplacian").unwrap();
+        let settings =
+            Settings::from_pairs("opacity.model=illustrative opacity.illustrative.printed=laplacian").unwrap();
         assert_eq!(lowered(&settings, 4.0).opacity.illustrative, settings.opacity.illustrative);
     }
 
