@@ -76,7 +76,9 @@ impl Shell {
         self.frames += 1;
         self.rest_until = Instant::now() + begin.elapsed().min(LONGEST_REST);
         let milliseconds = begin.elapsed().as_secs_f64() * 1e3;
+        // The tests of the window wait for this line.
         tracing::debug!(
+            target: "pellucid::app::shell",
             "frame {} in {milliseconds:.1} ms, {:.1} of it layout",
             self.frames,
             laid_out.as_secs_f64() * 1e3
