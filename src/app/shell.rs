@@ -5,8 +5,10 @@
 
 mod accuracy;
 mod asks;
+mod frames;
 mod latency;
 mod places;
+mod turns;
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -24,16 +26,18 @@ use super::config::{self, Preferences};
 use super::dialogs::{self, Chosen};
 use super::exports::Exporting;
 use super::hand::Hand;
-use super::loader::{Loading, Phase};
+use super::loader::Loading;
 use super::models;
-use super::panels::{self, style};
+use super::panels::style;
 use super::pictures::{Delivery, Kind, Pictures, supersedes};
-use super::surface::{Drawn, Surface};
+use super::surface::Surface;
 use super::watch::{Watch, Workshop};
-use super::workspace::{Gravity, LoadingView, Workspace};
+use super::workspace::{Gravity, Workspace};
 
 /// Most that frames that follow the mouse are held back.
 const LONGEST_REST: Duration = Duration::from_millis(40);
+/// Events between two looks of egui at them whose times are kept.
+const MOST_UNSEEN: usize = 256;
 /// Devices that are opened again in a row before giving up.
 const MOST_REOPENED: u32 = 5;
 
@@ -102,6 +106,17 @@ fn named(attributes: winit::window::WindowAttributes) -> winit::window::WindowAt
     x11::WindowAttributesExtX11::with_name(attributes, "pellucid", "Pellucid")
 }
 
+/// When the next preview is let go.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Release {
+    /// There is no reason to.
+    None,
+    /// When the events have been dealt with that came during the last frame.
+    Soon,
+    /// Now.
+    Now,
+}
+
 struct Shell {
     proxy: EventLoopProxy<Event>,
     context: egui::Context,
@@ -125,6 +140,16 @@ struct Shell {
     reopened: u32,
     losses: u32,
     frames: u64,
+    /// Changes of egui's textures that no frame has drawn with yet.
+    textures: egui::TexturesDelta,
+    /// Events have come that egui has not seen, and when each came.
+    unseen: Vec<Instant>,
+    /// The next preview may begin, in this turn of the loop or the one after.
+    release: Release,
+    /// What frames with another picture take, milliseconds, smoothed.
+    frame_time: f64,
+    /// The last preview that a frame has shown.
+    turned: Option<u64>,
     /// Inputs that no frame answers yet, and those of which no picture is drawn yet: of which order, and when they came.
     inputs: VecDeque<(u64, Instant)>,
     undrawn: VecDeque<(u64, Instant)>,
@@ -175,6 +200,11 @@ impl Shell {
             reopened: 0,
             losses: 0,
             frames: 0,
+            textures: egui::TexturesDelta::default(),
+            unseen: Vec::new(),
+            release: Release::None,
+            frame_time: 0.0,
+            turned: None,
             inputs: VecDeque::new(),
             undrawn: VecDeque::new(),
             last_input: None,
@@ -328,75 +358,16 @@ impl Shell {
             pictures.stop_hovering();
             tracing::debug!("order {number}, viewport {:?}", self.workspace.viewport);
             self.workspace.refusal = None;
-            self.inputs.push_back((number, self.now));
-            self.undrawn.push_back((number, self.now));
-            self.last_input = Some((number, self.now));
+            // What was moved by events that egui has seen since is asked for at once; all of them have waited.
+            let mut came = std::mem::take(&mut self.unseen);
+            if came.is_empty() {
+                came.push(self.now);
+            }
+            self.inputs.extend(came.iter().map(|&at| (number, at)));
+            self.undrawn.extend(came.iter().map(|&at| (number, at)));
+            self.last_input = came.last().map(|&at| (number, at));
         }
         self.follow_accuracy();
-    }
-
-    fn frame(&mut self, event_loop: &ActiveEventLoop) {
-        let begin = Instant::now();
-        self.workspace.loading = self.loading.as_ref().map(|l| {
-            let (doing, share) = match l.phase() {
-                Phase::Reading(share) => ("Reading", Some(share)),
-                Phase::Building => ("Building", None),
-            };
-            LoadingView { file: l.file.clone(), doing, share }
-        });
-        let Some(open) = &mut self.open else {
-            return;
-        };
-        let size = open.window.inner_size();
-        if size.width == 0 || size.height == 0 {
-            return;
-        }
-        let input = open.egui.take_egui_input(&open.window);
-        let workspace = &mut self.workspace;
-        let output = self.context.run_ui(input, |ui| panels::show(ui, workspace));
-        self.places.note(output.platform_output.accesskit_update.as_ref(), output.pixels_per_point);
-        open.egui.handle_platform_output_with_event_loop(&open.window, event_loop, output.platform_output);
-        let wheel = self.hand.is_wheeling();
-        let held = self.context.input(|i| i.pointer.any_down());
-        self.workspace.settle(held || wheel);
-        self.order();
-        let waker = self.waker();
-        let watch = self.watch.get_or_insert_with(|| Watch::start(workshop(), waker));
-        watch.follow(self.workspace.document.as_ref().map(|d| &d.seen.settings.opacity.transfer));
-        let Some(open) = &mut self.open else {
-            return;
-        };
-        let laid_out = begin.elapsed();
-        let shapes = self.context.tessellate(output.shapes, output.pixels_per_point);
-        let trace = tracing::enabled!(tracing::Level::DEBUG);
-        let drawn = open.surface.draw(&shapes, output.textures_delta, output.pixels_per_point, trace);
-        if let Some(complaint) = open.surface.complaint().filter(|_| drawn != Drawn::Lost) {
-            self.workspace.say(Gravity::Error, format!("The window's graphics device reports: {complaint}"));
-        }
-        self.frames += 1;
-        self.rest_until = Instant::now() + begin.elapsed().min(LONGEST_REST);
-        tracing::debug!(
-            "frame {} in {:.1} ms, {:.1} of it layout",
-            self.frames,
-            begin.elapsed().as_secs_f64() * 1e3,
-            laid_out.as_secs_f64() * 1e3
-        );
-        let delay = output.viewport_output.get(&ViewportId::ROOT).map_or(Duration::MAX, |v| v.repaint_delay);
-        match drawn {
-            Drawn::Presented => {
-                self.reopened = 0;
-                self.note_latency();
-                self.places.note_shown(&self.workspace);
-            }
-            Drawn::Skipped => {}
-            Drawn::Again => open.window.request_redraw(),
-            Drawn::Lost => self.reopen(event_loop),
-        }
-        let asked = Instant::now().checked_add(delay).filter(|_| delay < Duration::from_secs(3600));
-        // A frame at the end of turning the wheel makes a step of it.
-        let rested = self.hand.wheel_rests_at();
-        self.repaint_at = [asked, rested].into_iter().flatten().min();
-        self.fulfil(event_loop);
     }
 
     /// Makes the window's device anew. Egui draws its letters into textures again when their greatest size changes, which it
@@ -450,6 +421,9 @@ impl ApplicationHandler<Event> for Shell {
             Event::Wake => {
                 if self.collect() {
                     self.redraw();
+                } else {
+                    // Nothing of it will be shown.
+                    self.release = Release::Soon;
                 }
             }
             Event::Chosen(chosen) => {
@@ -473,6 +447,16 @@ impl ApplicationHandler<Event> for Shell {
 
     fn window_event(&mut self, event_loop: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
         self.now = Instant::now();
+        let is_input = matches!(
+            event,
+            WindowEvent::CursorMoved { .. }
+                | WindowEvent::MouseInput { .. }
+                | WindowEvent::MouseWheel { .. }
+                | WindowEvent::KeyboardInput { .. }
+        );
+        if is_input && self.unseen.len() < MOST_UNSEEN {
+            self.unseen.push(self.now);
+        }
         let Some(open) = &mut self.open else {
             return;
         };
@@ -533,24 +517,33 @@ impl ApplicationHandler<Event> for Shell {
             }
             _ => {}
         }
-        if redraw && follows && Instant::now() < self.rest_until {
-            self.repaint_at = Some(self.repaint_at.map_or(self.rest_until, |at| at.min(self.rest_until)));
+        let rest_until = if follows { self.rests_until() } else { self.now };
+        if redraw && Instant::now() < rest_until {
+            self.repaint_at = Some(self.repaint_at.map_or(rest_until, |at| at.min(rest_until)));
         } else if redraw {
             self.redraw();
         }
     }
 
     fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
-        if self.repaint_at.is_some_and(|at| at <= Instant::now()) {
-            self.repaint_at = None;
-            self.redraw();
+        let polls = self.take_turns(event_loop);
+        if let Some(at) = self.repaint_at
+            && at <= Instant::now()
+        {
+            let rests_until = self.rests_until();
+            self.repaint_at = (self.waits_for_preview() && Instant::now() < rests_until).then_some(rests_until);
+            if self.repaint_at.is_none() {
+                self.redraw();
+            }
         }
         let next = [self.repaint_at, self.hover()].into_iter().flatten().min();
-        event_loop.set_control_flow(next.map_or(ControlFlow::Wait, ControlFlow::WaitUntil));
+        let waits = next.map_or(ControlFlow::Wait, ControlFlow::WaitUntil);
+        event_loop.set_control_flow(if polls { ControlFlow::Poll } else { waits });
     }
 
     fn exiting(&mut self, _: &ActiveEventLoop) {
         // The clipboard and the surface need a window that is still there.
+        self.textures.clear();
         self.pictures = None;
         self.accuracy = accuracy::Threads::default();
         self.open = None;

@@ -8,10 +8,9 @@ use clap::builder::PossibleValuesParser;
 
 use super::failure::{Exit, Failure};
 use super::transfer::{failure, say};
-use crate::export::image::parse_background;
 use crate::settings::looks::{self, LookError};
 use crate::settings::{CaptureKind, OpacityModel, Settings};
-use crate::transfer::{self, TransferSource, place_of};
+use crate::transfer::{TransferSource, place_of};
 
 /// Largest settings file that is read, bytes.
 const LARGEST_SETTINGS: u64 = 1 << 20;
@@ -93,10 +92,6 @@ impl LookArgs {
         }
         for (path, value) in &self.set {
             settings.set(path, value).map_err(|e| usage(&format!("--set: {e}")))?;
-        }
-        parse_background(&settings.image.background).map_err(|e| usage(&e))?;
-        if transfer::hex(&settings.outline.color).is_none() {
-            return Err(usage(&format!("outline.color '{}': expected the form #rrggbb", settings.outline.color)));
         }
         check_transfer(&settings)?;
         Ok(settings)

@@ -365,18 +365,37 @@ impl Gpu {
     /// # Errors
     /// [`GpuError`] if the device is lost, out of memory, or reported an error.
     pub fn read_buffer(&self, buffer: &wgpu::Buffer, bytes: u64) -> Result<Vec<u8>, GpuError> {
-        if bytes == 0 {
-            return Ok(Vec::new());
+        Ok(self.read_buffers(&[(buffer, bytes)])?.pop().unwrap_or_default())
+    }
+
+    /// The same of several buffers, waiting once.
+    ///
+    /// # Errors
+    /// As [`Gpu::read_buffer`].
+    pub fn read_buffers(&self, wanted: &[(&wgpu::Buffer, u64)]) -> Result<Vec<Vec<u8>>, GpuError> {
+        let sizes: Vec<u64> = wanted.iter().map(|(b, bytes)| bytes.next_multiple_of(4).min(b.size())).collect();
+        let size: u64 = sizes.iter().sum();
+        if size == 0 {
+            return Ok(vec![Vec::new(); wanted.len()]);
         }
-        let size = bytes.next_multiple_of(4).min(buffer.size());
         let usage = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
         let staging = self.buffer("read-back", size, usage)?;
         let mut encoder = self.device.create_command_encoder(&Default::default());
-        encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, size);
+        let mut at = 0;
+        for ((buffer, _), size) in wanted.iter().zip(&sizes).filter(|(_, size)| **size > 0) {
+            encoder.copy_buffer_to_buffer(buffer, 0, &staging, at, *size);
+            at += size;
+        }
         self.queue.submit([encoder.finish()]);
-        let mut data = self.map(&staging, size)?;
-        data.truncate(bytes as usize);
-        Ok(data)
+        let data = self.map(&staging, size)?;
+        let mut rest = &data[..];
+        let mut all = Vec::with_capacity(wanted.len());
+        for ((_, bytes), size) in wanted.iter().zip(&sizes) {
+            let (own, after) = rest.split_at(*size as usize);
+            all.push(own[..own.len().min(*bytes as usize)].to_vec());
+            rest = after;
+        }
+        Ok(all)
     }
 
     /// Copies an Rgba32Float texture back to the CPU, rows from the top.

@@ -30,6 +30,8 @@ pub enum Timing {
     Timestamps,
     /// Each pass is submitted and waited for; wall time.
     Serial,
+    /// Not at all, and nothing waits for the end of a submission but who needs it.
+    Off,
 }
 
 impl Timing {
@@ -38,6 +40,7 @@ impl Timing {
         match self {
             Timing::Timestamps => "GPU timestamps",
             Timing::Serial => "each pass run alone, wall time",
+            Timing::Off => "not timed",
         }
     }
 }
@@ -94,7 +97,7 @@ impl Recorder {
     /// # Errors
     /// [`GpuError`] if the device is lost or reported an error, or the frame is no longer wanted.
     pub fn end_pass(&mut self, pass: Pass) -> Result<(), GpuError> {
-        if self.timing == Timing::Timestamps {
+        if self.timing != Timing::Serial {
             return Ok(());
         }
         go_on(self.cancel.as_ref())?;
@@ -224,13 +227,14 @@ impl Recorder {
             buffer
         });
         self.gpu.queue.submit([self.encoder.finish()]);
-        Submitted { gpu: self.gpu, resolved, pieces: self.pieces, serial: self.serial }
+        Submitted { gpu: self.gpu, timing: self.timing, resolved, pieces: self.pieces, serial: self.serial }
     }
 }
 
 /// A submission whose times can be read.
 pub struct Submitted {
     gpu: Gpu,
+    timing: Timing,
     resolved: Option<wgpu::Buffer>,
     pieces: Vec<Pass>,
     serial: Vec<PassTime>,
@@ -244,7 +248,7 @@ fn add_time(times: &mut Vec<PassTime>, pass: Pass, milliseconds: f64) {
 }
 
 impl Submitted {
-    /// Waits and adds the time of every piece to its pass in `times`.
+    /// Waits and adds the time of every piece to its pass in `times`; does neither under [`Timing::Off`].
     ///
     /// # Errors
     /// [`GpuError`] if the device is lost or reported an error.
@@ -253,7 +257,7 @@ impl Submitted {
             add_time(times, time.pass, time.milliseconds);
         }
         let Some(buffer) = self.resolved else {
-            return self.gpu.wait();
+            return if self.timing == Timing::Off { Ok(()) } else { self.gpu.wait() };
         };
         let bytes = self.gpu.read_buffer(&buffer, 16 * self.pieces.len() as u64)?;
         let stamps: Vec<u64> = bytes.chunks_exact(8).map(bytemuck::pod_read_unaligned).collect();

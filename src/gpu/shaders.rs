@@ -6,7 +6,7 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::hash::{DefaultHasher, Hash, Hasher};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use include_dir::{Dir, include_dir};
 
@@ -174,6 +174,8 @@ pub struct Shaders {
     pub shared: SharedLayouts,
     kernels: Mutex<HashMap<u64, Arc<Kernel>>>,
     raster: Mutex<HashMap<u64, Arc<RasterKernel>>>,
+    /// Digests of the texts that specs are composed to, because composing one takes longer than a small dispatch.
+    texts: Mutex<HashMap<ShaderSpec, u64>>,
     replaced: HashMap<String, String>,
     revision: u64,
 }
@@ -192,6 +194,7 @@ impl Shaders {
             shared: SharedLayouts::new(gpu),
             kernels: Mutex::default(),
             raster: Mutex::default(),
+            texts: Mutex::default(),
             replaced: HashMap::new(),
             revision: 0,
         }
@@ -201,6 +204,7 @@ impl Shaders {
     /// an error and see that it is found.
     pub fn replace(&mut self, module: &str, text: Option<String>) {
         self.revision += 1;
+        self.texts.get_mut().unwrap_or_else(PoisonError::into_inner).clear();
         match text {
             Some(text) => self.replaced.insert(module.to_owned(), text),
             None => self.replaced.remove(module),
@@ -212,20 +216,46 @@ impl Shaders {
         self.revision
     }
 
+    /// The digest of the text of `spec`, if it has been composed before, and the text otherwise.
+    fn text(&self, spec: &ShaderSpec) -> Result<(u64, Option<Composed>), GpuError> {
+        let mut texts = self.texts.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(&digest) = texts.get(spec) {
+            return Ok((digest, None));
+        }
+        let composed = compose_with(spec, &self.replaced)?;
+        let digest = key_of(&[&composed.text]);
+        texts.insert(spec.clone(), digest);
+        Ok((digest, Some(composed)))
+    }
+
+    /// What is in `all` for a spec and a variant of it; it is compiled if it is not there.
+    fn compiled<T>(
+        &self,
+        all: &Mutex<HashMap<u64, Arc<T>>>,
+        spec: &ShaderSpec,
+        variant: &str,
+        compile: impl FnOnce(&Composed) -> Result<T, GpuError>,
+    ) -> Result<Arc<T>, GpuError> {
+        let (digest, composed) = self.text(spec)?;
+        let key = key_of(&[&digest.to_string(), variant]);
+        let mut all = all.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(kernel) = all.get(&key) {
+            return Ok(Arc::clone(kernel));
+        }
+        let composed = composed.map_or_else(|| compose_with(spec, &self.replaced), Ok)?;
+        let kernel = Arc::new(compile(&composed)?);
+        all.insert(key, Arc::clone(&kernel));
+        Ok(kernel)
+    }
+
     /// The compute pipeline of an entry point.
     ///
     /// # Errors
     /// [`GpuError::Shader`] if it does not compile.
     pub fn kernel(&self, spec: &ShaderSpec, entry: &str) -> Result<Arc<Kernel>, GpuError> {
-        let composed = compose_with(spec, &self.replaced)?;
-        let key = key_of(&[&composed.text, entry]);
-        let mut kernels = self.kernels.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        if let Some(kernel) = kernels.get(&key) {
-            return Ok(Arc::clone(kernel));
-        }
-        let kernel = Arc::new(kernel::compile_compute(&self.gpu, &self.shared, spec.root, &composed, entry)?);
-        kernels.insert(key, Arc::clone(&kernel));
-        Ok(kernel)
+        let compile =
+            |composed: &Composed| kernel::compile_compute(&self.gpu, &self.shared, spec.root, composed, entry);
+        self.compiled(&self.kernels, spec, entry, compile)
     }
 
     /// The render pipeline of a shader with `vertex_main` and `fragment_main`.
@@ -233,14 +263,8 @@ impl Shaders {
     /// # Errors
     /// [`GpuError::Shader`] if it does not compile.
     pub fn raster(&self, spec: &ShaderSpec, raster: &RasterSpec) -> Result<Arc<RasterKernel>, GpuError> {
-        let composed = compose_with(spec, &self.replaced)?;
-        let key = key_of(&[&composed.text, &format!("{raster:?}")]);
-        let mut kernels = self.raster.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        if let Some(kernel) = kernels.get(&key) {
-            return Ok(Arc::clone(kernel));
-        }
-        let kernel = Arc::new(kernel::compile_raster(&self.gpu, &self.shared, spec.root, &composed, raster)?);
-        kernels.insert(key, Arc::clone(&kernel));
-        Ok(kernel)
+        let compile =
+            |composed: &Composed| kernel::compile_raster(&self.gpu, &self.shared, spec.root, composed, raster);
+        self.compiled(&self.raster, spec, &format!("{raster:?}"), compile)
     }
 }

@@ -495,7 +495,7 @@ fn any_settings() -> impl Strategy<Value = Settings> {
                 Range::Real(a, b) => (a..=b).prop_map(toml::Value::Float).boxed(),
                 Range::Choice(names) => prop::sample::select(names).prop_map(|n| n.to_owned().into()).boxed(),
                 Range::Switch => any::<bool>().prop_map(toml::Value::Boolean).boxed(),
-                Range::Text => return None,
+                Range::Text | Range::Color { .. } => return None,
             };
             Some(value.prop_map(move |v| (d.path.clone(), v)).boxed())
         })

@@ -521,7 +521,14 @@ pub(super) fn bind_settings(
     let models = opacity::model_parameters(&settings.opacity, plan.size);
     resources.set("model_parameters", Resource::Buffer(gpu.uniform("model", &models)?));
     if plan.runs(Pass::Stylize) || tail {
-        let [color, alpha] = opacity::tables(&gpu, transfer)?;
+        let [color, alpha] = match &renderer.tables {
+            Some((of, tables)) if of == transfer => tables.clone(),
+            _ => {
+                let tables = opacity::tables(&gpu, transfer)?;
+                renderer.tables = Some((transfer.clone(), tables.clone()));
+                tables
+            }
+        };
         resources.set("color_table", Resource::Buffer(color));
         resources.set("opacity_table", Resource::Buffer(alpha));
         let parameters = opacity::parameters(transfer, settings.opacity.gain, constant, settings.opacity.ghost);

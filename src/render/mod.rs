@@ -163,6 +163,8 @@ pub struct Renderer {
     /// dragged. Off by default, because then times are not those of whole frames.
     pub keeps_layers: bool,
     stored: Option<reuse::Stored>,
+    /// The last transfer functions and their tables.
+    tables: Option<(TransferFunction, [wgpu::Buffer; 2])>,
     targets: Option<targets::Targets>,
     picking: pick::Picking,
 }
@@ -184,6 +186,7 @@ impl Renderer {
             cancel: None,
             keeps_layers: false,
             stored: None,
+            tables: None,
             targets: None,
             picking: pick::Picking::default(),
         })

@@ -19,7 +19,7 @@ use crate::passes::geometry::{DrawOrder, GpuScene};
 use crate::passes::{composite, opacity};
 use crate::plan::{Capture, FramePlan, Pass, PlannedBuffer};
 use crate::scene::{Arrangement, PartLook, Presence};
-use crate::settings::{CaptureSettings, FeatureSettings, Settings};
+use crate::settings::{FeatureSettings, Settings};
 
 /// What a frame took from the one before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -52,7 +52,6 @@ pub(super) struct Origin {
     camera: Camera,
     draw_order: DrawOrder,
     shaders: u64,
-    capture: CaptureSettings,
     features: FeatureSettings,
     plan: FramePlan,
 }
@@ -83,7 +82,6 @@ impl Origin {
             camera: *camera,
             draw_order: renderer.draw_order,
             shaders: renderer.shaders.revision(),
-            capture: settings.capture.clone(),
             features: settings.features.clone(),
             plan: plan.clone(),
         })
@@ -93,12 +91,14 @@ impl Origin {
     pub(super) fn keeps(&self, other: &Origin) -> Kept {
         let same_scene = (self.scene, self.camera, self.draw_order, self.shaders)
             == (other.scene, other.camera, other.draw_order, other.shaders)
-            && (&self.shown, &self.capture) == (&other.shown, &other.capture);
+            && self.shown == other.shown;
         let (new, old) = (&self.plan, &other.plan);
-        // The same columns: what the capture leaves out for want of a reader is not there.
+        // The plan has everything of the capture that matters: settings of a capture that was not chosen do not. The same
+        // columns, because what the capture leaves out for want of a reader is not there. How wide the apron of bands would be
+        // is of no interest where there is one band.
         let same_store = (new.size, new.capture, new.normals, new.recolored, new.section_planes)
             == (old.size, old.capture, old.normals, old.recolored, old.section_planes)
-            && (&new.bands, new.apron, new.most_rows) == (&old.bands, old.apron, old.most_rows)
+            && (&new.bands, new.most_rows) == (&old.bands, old.most_rows)
             && passes(new).eq(passes(old))
             && columns(new).eq(columns(old))
             && new.features.map(|f| f.search) == old.features.map(|f| f.search);

@@ -27,12 +27,13 @@ pub(super) fn draw_whole(
         let mut work = Work::new(renderer, plan, view, piece, blank)?;
         count_band(&mut work.context(), view.scene)?;
         work.submit_times(tally)?;
-        let words = |name, count: u64| -> Result<Vec<u32>, GpuError> {
-            let bytes = renderer.gpu.read_buffer(renderer.resources.require("prefix sum", name)?, 4 * count)?;
-            Ok(bytes.chunks_exact(4).map(bytemuck::pod_read_unaligned).collect())
-        };
-        rows.extend(words("row_sums", u64::from(end - first))?.into_iter().map(u64::from));
-        deepest = deepest.max(words("statistics", STATISTICS_WORDS as u64)?[BAND_DEEPEST]);
+        let words = |bytes: &[u8]| bytes.chunks_exact(4).map(bytemuck::pod_read_unaligned).collect::<Vec<u32>>();
+        let buffer = |name| renderer.resources.require("prefix sum", name);
+        let wanted =
+            [(buffer("row_sums")?, 4 * u64::from(end - first)), (buffer("statistics")?, 4 * STATISTICS_WORDS as u64)];
+        let read = renderer.gpu.read_buffers(&wanted)?;
+        rows.extend(words(&read[0]).into_iter().map(u64::from));
+        deepest = deepest.max(words(&read[1])[BAND_DEEPEST]);
     }
     let most = renderer.gpu.capabilities().most_layers;
     if deepest > most {

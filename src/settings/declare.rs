@@ -16,6 +16,11 @@ pub enum Range {
     Switch,
     /// Text, checked where it is used.
     Text,
+    /// A colour, `#rrggbb` in sRGB; or also `none`.
+    Color {
+        /// Whether it may be none.
+        or_none: bool,
+    },
 }
 
 /// The first of several names that is not the default.
@@ -31,6 +36,8 @@ impl std::fmt::Display for Range {
             Range::Choice(names) => write!(f, "one of {}", names.join(", ")),
             Range::Switch => write!(f, "true or false"),
             Range::Text => write!(f, "text"),
+            Range::Color { or_none: true } => write!(f, "none or the form #rrggbb"),
+            Range::Color { or_none: false } => write!(f, "the form #rrggbb"),
         }
     }
 }
@@ -64,8 +71,8 @@ impl Declaration {
             }
             (Range::Choice(names), default) => other_than(default, names),
             (Range::Switch, default) => (default.as_bool() != Some(true)).to_string(),
-            // Text is a colour or the name of transfer functions.
-            (Range::Text, toml::Value::String(text)) if text.starts_with('#') => "#1a2b3c".to_owned(),
+            (Range::Color { .. }, default) => other_than(default, &["#1a2b3c", "#3c2b1a"]),
+            // Text is the name of transfer functions.
             (Range::Text, default) => other_than(default, &transfer::names()),
         }
     }
@@ -77,7 +84,7 @@ impl Declaration {
             Range::Integer(..) => toml::Value::Integer(text.trim().parse().map_err(|_| refused())?),
             Range::Real(..) => toml::Value::Float(text.trim().parse().map_err(|_| refused())?),
             Range::Switch => toml::Value::Boolean(text.trim().parse().map_err(|_| refused())?),
-            Range::Choice(_) | Range::Text => toml::Value::String(text.to_owned()),
+            Range::Choice(_) | Range::Text | Range::Color { .. } => toml::Value::String(text.to_owned()),
         };
         self.check(value)
     }
@@ -92,6 +99,7 @@ impl Declaration {
             (Range::Choice(names), Value::String(s)) => names.contains(&s.as_str()),
             (Range::Switch, Value::Boolean(_)) => true,
             (Range::Text, Value::String(_) | Value::Table(_)) => true,
+            (Range::Color { or_none }, Value::String(s)) => transfer::hex(s).is_some() || or_none && s == "none",
             _ => false,
         };
         if ok { Ok(value) } else { Err(self.refusal(&value.to_string())) }

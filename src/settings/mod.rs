@@ -306,7 +306,7 @@ settings! {
     /// The line around what is selected.
     pub struct OutlineSettings {
         /// Colour: `#rrggbb`.
-        pub color: String = "#ffb000".to_owned(), Range::Text;
+        pub color: String = "#ffb000".to_owned(), Range::Color { or_none: false };
         /// Width in pixels.
         pub width: f64 = 2.0, Range::Real(1.0, 16.0);
     }
@@ -316,7 +316,7 @@ settings! {
     /// The picture.
     pub struct ImageSettings {
         /// Background: `none` for transparent, or `#rrggbb`.
-        pub background: String = "#262b33".to_owned(), Range::Text;
+        pub background: String = "#262b33".to_owned(), Range::Color { or_none: true };
         /// Frames averaged for one picture, each shifted by a fraction of a pixel.
         pub samples: u32 = 1, Range::Integer(1, 1024);
     }
@@ -502,6 +502,20 @@ mod tests {
         let e = settings.set("opacity.constant", "NaN").unwrap_err().to_string();
         assert!(e.contains("opacity.constant"), "{e}");
         assert_eq!(settings.capture.bucketed_k_buffer.k, 64);
+    }
+
+    #[test]
+    fn what_is_no_colour_is_refused_by_path_and_value() {
+        let mut settings = Settings::default();
+        for (path, bad) in [("image.background", "blue"), ("image.background", "#12345"), ("outline.color", "none")] {
+            let said = settings.set(path, bad).unwrap_err().to_string();
+            assert!(said.contains(path) && said.contains(bad) && said.contains("#rrggbb"), "{said}");
+            let said = Settings::from_toml(&format!("{path} = '{bad}'")).unwrap_err().to_string();
+            assert!(said.contains(path) && said.contains(bad), "{said}");
+        }
+        assert_eq!(settings, Settings::default());
+        settings.set("image.background", "none").unwrap();
+        settings.set("outline.color", "#0A0b0c").unwrap();
     }
 
     #[test]

@@ -87,19 +87,22 @@ fn color_difference(a: [f64; 3], b: [f64; 3], largest: f64) -> f64 {
     if distance < knee { PT / knee * distance } else { PT + (distance - knee) / (largest - knee) * (1.0 - PT) }
 }
 
+/// Whether the result is still wanted. What is begun when it no longer is comes out wrong and soon, and is thrown away.
+pub type Wanted<'a> = &'a (dyn Fn() -> bool + Sync);
+
 /// Convolves with a kernel along rows and another along columns.
-fn convolve(plane: &[f64], width: usize, along_x: &[f64], along_y: &[f64]) -> Plane {
+fn convolve(plane: &[f64], width: usize, along_x: &[f64], along_y: &[f64], wanted: Wanted<'_>) -> Plane {
     let height = plane.len() / width;
     let at = |i: usize, offset: usize, radius: usize, end: usize| (i + offset).saturating_sub(radius).min(end - 1);
     let mut rows = vec![0.0; plane.len()];
-    rows.par_chunks_mut(width).zip(plane.par_chunks(width)).for_each(|(to, from)| {
+    rows.par_chunks_mut(width).zip(plane.par_chunks(width)).filter(|_| wanted()).for_each(|(to, from)| {
         for (x, to) in to.iter_mut().enumerate() {
             let radius = along_x.len() / 2;
             *to = along_x.iter().enumerate().map(|(k, w)| w * from[at(x, k, radius, width)]).sum();
         }
     });
     let mut out = vec![0.0; plane.len()];
-    out.par_chunks_mut(width).enumerate().for_each(|(y, to)| {
+    out.par_chunks_mut(width).enumerate().filter(|_| wanted()).for_each(|(y, to)| {
         for (k, w) in along_y.iter().enumerate() {
             let row = at(y, k, along_y.len() / 2, height) * width;
             to.iter_mut().zip(&rows[row..row + width]).for_each(|(to, v)| *to += w * v);
@@ -113,7 +116,7 @@ fn kernel(radius: i32, value: impl Fn(f64) -> f64) -> Vec<f64> {
 }
 
 /// The picture as the eye resolves it, one channel.
-fn blur(plane: &[f64], width: usize, channel: usize) -> Plane {
+fn blur(plane: &[f64], width: usize, channel: usize, wanted: Wanted<'_>) -> Plane {
     use std::f64::consts::PI;
     let radius = (3.0 * (WIDEST / (2.0 * PI * PI)).sqrt() * PIXELS_PER_DEGREE).ceil() as i32;
     let gaussians: Vec<(f64, Vec<f64>)> = SENSITIVITY[channel]
@@ -126,7 +129,7 @@ fn blur(plane: &[f64], width: usize, channel: usize) -> Plane {
     let total: f64 = gaussians.iter().map(|(weight, g)| weight * g.iter().sum::<f64>().powi(2)).sum();
     let mut sum = vec![0.0; plane.len()];
     for (weight, g) in &gaussians {
-        let blurred = convolve(plane, width, g, g);
+        let blurred = convolve(plane, width, g, g, wanted);
         sum.iter_mut().zip(&blurred).for_each(|(s, v)| *s += weight / total * v);
     }
     sum
@@ -142,7 +145,7 @@ fn balanced(mut kernel: Vec<f64>, other: &[f64]) -> Vec<f64> {
 }
 
 /// Strength of edges and of points.
-fn features(lightness: &[f64], width: usize) -> [Plane; 2] {
+fn features(lightness: &[f64], width: usize, wanted: Wanted<'_>) -> [Plane; 2] {
     let deviation = 0.5 * FEATURE_WIDTH * PIXELS_PER_DEGREE;
     let radius = (3.0 * deviation).ceil() as i32;
     let gauss = |x: f64| (-x * x / (2.0 * deviation * deviation)).exp();
@@ -150,8 +153,8 @@ fn features(lightness: &[f64], width: usize) -> [Plane; 2] {
     let edge = balanced(kernel(radius, |x| -x * gauss(x)), &across);
     let point = balanced(kernel(radius, |x| (x * x / (deviation * deviation) - 1.0) * gauss(x)), &across);
     [edge, point].map(|along| {
-        let x = convolve(lightness, width, &along, &across);
-        let y = convolve(lightness, width, &across, &along);
+        let x = convolve(lightness, width, &along, &across, wanted);
+        let y = convolve(lightness, width, &across, &along, wanted);
         x.iter().zip(&y).map(|(x, y)| x.hypot(*y)).collect()
     })
 }
@@ -162,36 +165,40 @@ struct Seen {
     features: [Plane; 2],
 }
 
-fn seen(shown: &[[f64; 3]], width: usize) -> Seen {
-    let opponents: Vec<[f64; 3]> = shown.iter().map(|p| opponent(p.map(linear_from_srgb))).collect();
+fn seen(shown: &[[f64; 3]], width: usize, wanted: Wanted<'_>) -> Option<Seen> {
+    let opponents: Vec<[f64; 3]> = shown.par_iter().map(|p| opponent(p.map(linear_from_srgb))).collect();
     let channel = |c: usize| opponents.iter().map(|p| p[c]).collect::<Plane>();
     let lightness: Plane = opponents.iter().map(|p| (p[0] + 16.0) / 116.0).collect();
-    let [y, cx, cz] = [0, 1, 2].map(|c| blur(&channel(c), width, c));
-    let lab =
-        (0..shown.len()).map(|i| hunt_lab(rgb_of_opponent([y[i], cx[i], cz[i]]).map(|v| v.clamp(0.0, 1.0)))).collect();
-    Seen { lab, features: features(&lightness, width) }
+    let [y, cx, cz] = [0, 1, 2].map(|c| blur(&channel(c), width, c, wanted));
+    let features = features(&lightness, width, wanted);
+    let lab = |i: usize| hunt_lab(rgb_of_opponent([y[i], cx[i], cz[i]]).map(|v| v.clamp(0.0, 1.0)));
+    wanted().then(|| Seen { lab: (0..shown.len()).into_par_iter().map(lab).collect(), features })
 }
 
-/// FLIP of every pixel, 0 to 1, of two pictures as displayed: sRGB values from 0 to 1, rows of `width`, equal in size.
-pub fn flip(a: &[[f64; 3]], b: &[[f64; 3]], width: usize) -> Vec<f64> {
+/// FLIP of every pixel, 0 to 1, of two pictures as displayed: sRGB values from 0 to 1, rows of `width`, equal in size. It is
+/// given up soon after `wanted` says no; `None` then.
+pub fn flip_while(a: &[[f64; 3]], b: &[[f64; 3]], width: usize, wanted: Wanted<'_>) -> Option<Vec<f64>> {
     if a == b || width == 0 {
-        return vec![0.0; a.len()];
+        return Some(vec![0.0; a.len()]);
     }
-    let (a, b) = (seen(a, width), seen(b, width));
+    let (a, b) = (seen(a, width, wanted)?, seen(b, width, wanted)?);
     let largest = largest_distance();
-    (0..a.lab.len().min(b.lab.len()))
-        .map(|i| {
-            let color = color_difference(a.lab[i], b.lab[i], largest);
-            let of = |f: usize| (a.features[f][i] - b.features[f][i]).abs();
-            let feature = (std::f64::consts::FRAC_1_SQRT_2 * of(0).max(of(1))).powf(QF);
-            color.powf(1.0 - feature.min(1.0))
-        })
-        .collect()
+    let of_pixel = |i: usize| {
+        let color = color_difference(a.lab[i], b.lab[i], largest);
+        let of = |f: usize| (a.features[f][i] - b.features[f][i]).abs();
+        let feature = (std::f64::consts::FRAC_1_SQRT_2 * of(0).max(of(1))).powf(QF);
+        color.powf(1.0 - feature.min(1.0))
+    };
+    Some((0..a.lab.len().min(b.lab.len())).into_par_iter().map(of_pixel).collect())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn flip(a: &[[f64; 3]], b: &[[f64; 3]], width: usize) -> Vec<f64> {
+        flip_while(a, b, width, &|| true).unwrap()
+    }
 
     fn mean(v: &[f64]) -> f64 {
         v.iter().sum::<f64>() / v.len() as f64
@@ -230,6 +237,23 @@ mod tests {
         let srgb_of = |l: f64| crate::math::color::srgb_from_linear(((l + 16.0) / 116.0).powi(3));
         let values = flip(&uniform([srgb_of(53.39); 3]), &uniform([srgb_of(54.39); 3]), 24);
         assert!(values.iter().all(|v| (v - 0.95 / 16.51).abs() < 1e-3), "{}", values[0]);
+    }
+
+    #[test]
+    fn it_is_given_up_when_it_is_no_longer_wanted() {
+        use std::sync::atomic::{AtomicU32, Ordering};
+        use std::time::Instant;
+        let (width, height) = (400, 300);
+        let a: Vec<[f64; 3]> = (0..width * height).map(|i| [(i % 251) as f64 / 251.0, 0.4, 0.1]).collect();
+        let b: Vec<[f64; 3]> = a.iter().map(|p| [p[1], p[0], p[2]]).collect();
+        assert_eq!(flip_while(&a, &b, width, &|| false), None);
+        // In the midst of the first rows, and it is asked for no more than every row of what is left.
+        let begin = Instant::now();
+        let whole = (flip(&a, &b, width), begin.elapsed()).1;
+        let asked = AtomicU32::new(0);
+        let begin = Instant::now();
+        assert_eq!(flip_while(&a, &b, width, &|| asked.fetch_add(1, Ordering::Relaxed) < 20), None);
+        assert!(begin.elapsed() < whole / 2, "{:?} of {whole:?}", begin.elapsed());
     }
 
     #[test]

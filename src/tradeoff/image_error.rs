@@ -6,7 +6,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::flip::flip;
+use super::flip::{Wanted, flip_while};
 use super::statistics::percentile;
 use crate::math::LinearImage;
 use crate::math::color::{Premultiplied, linear_from_srgb, srgb_from_linear};
@@ -32,7 +32,7 @@ pub struct ImageError {
 }
 
 /// Errors, and where they are.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ErrorMap {
     /// The figures.
     pub error: ImageError,
@@ -69,6 +69,20 @@ pub fn compare(
     reference: &LinearImage,
     background: Option<[f32; 3]>,
 ) -> Result<ErrorMap, SizesDiffer> {
+    // It is wanted to the end.
+    Ok(compare_while(image, reference, background, &|| true)?.unwrap_or_default())
+}
+
+/// [`compare`], given up soon after `wanted` says no; `None` then.
+///
+/// # Errors
+/// [`SizesDiffer`].
+pub fn compare_while(
+    image: &LinearImage,
+    reference: &LinearImage,
+    background: Option<[f32; 3]>,
+    wanted: Wanted<'_>,
+) -> Result<Option<ErrorMap>, SizesDiffer> {
     let (found, expected) = ([image.width, image.height], [reference.width, reference.height]);
     if found != expected || image.pixels.len() != reference.pixels.len() {
         return Err(SizesDiffer { found, expected });
@@ -84,7 +98,9 @@ pub fn compare(
             off.into_iter().fold(0.0, f64::max)
         })
         .collect();
-    let flip = flip(&a, &b, image.width as usize);
+    let Some(flip) = flip_while(&a, &b, image.width as usize, wanted) else {
+        return Ok(None);
+    };
     let count = steps.len().max(1) as f64;
     let above = |limit: f64| steps.iter().filter(|s| **s > limit).count() as f64 / count;
     let error = ImageError {
@@ -95,7 +111,7 @@ pub fn compare(
         flip_mean: flip.iter().sum::<f64>() / count,
         flip_p99: percentile(&flip, 0.99).unwrap_or(0.0),
     };
-    Ok(ErrorMap { error, steps, flip })
+    Ok(Some(ErrorMap { error, steps, flip }))
 }
 
 /// The picture in another size: bilinear between the middles of pixels, in linear light, edges repeated.

@@ -385,7 +385,8 @@ fn the_outline_goes_around_what_is_selected_and_changes_nothing_else() {
         }
     }
     // A wrong colour is an error, and only where it is used.
-    let wrong = settings("outline.color=gold");
+    let mut wrong = settings("");
+    wrong.outline.color = "gold".to_owned();
     let loaded = load(&mut r, &scene, &selection);
     let error = r.render(&loaded, &camera, &wrong, SIZE).map(|_| ()).unwrap_err().to_string();
     assert!(error.contains("outline.color = 'gold'"), "{error}");

@@ -287,6 +287,39 @@ impl Desk {
         panic!("'{name}' cannot be scrolled into sight: {:?}\n{}", self.find(name), self.tail());
     }
 
+    /// Where a slider is, the `nth` of this name, and how many clicks of the wheel over the panel beside the picture brought it
+    /// into sight.
+    pub fn slider(&self, name: &str, nth: usize) -> (Place, u32) {
+        // The widest of what has a name: a label and a number are beside it.
+        let find = |desk: &Desk| desk.find_all(name).into_iter().filter(|p| p.right - p.left > 80).nth(nth);
+        for clicks in 0..60 {
+            self.rest_a_little();
+            let picture = self.find("Viewport").unwrap();
+            match find(self) {
+                Some(place) if place.bottom <= picture.bottom && place.top >= picture.top => return (place, clicks),
+                _ => self.wheel_down(1),
+            }
+        }
+        panic!("slider {nth} '{name}' cannot be scrolled into sight: {:?}\n{}", find(self), self.tail());
+    }
+
+    /// Turns the wheel over the panel to the right of the picture.
+    pub fn wheel_down(&self, clicks: u32) {
+        let (_, [x, y, w, h]) = self.last_order().unwrap();
+        self.xdotool(&format!("mousemove {} {}", x + w + 60, y + h / 2));
+        for _ in 0..clicks {
+            self.xdotool("click 5");
+            self.rest_a_little();
+        }
+    }
+
+    /// Until what scrolls smoothly has come to rest.
+    fn rest_a_little(&self) {
+        self.fence();
+        std::thread::sleep(Duration::from_millis(250));
+        self.fence();
+    }
+
     /// Clicks, and waits until that has been dealt with.
     pub fn click(&self, [x, y]: [u32; 2], button: u8) {
         self.xdotool(&format!("mousemove {x} {y}"));

@@ -1,9 +1,17 @@
-//! How long the window takes to answer the hand: printed, never asserted. With `PELLUCID_TEST_FULL` a minute of it.
+//! How long the window takes to answer the hand: printed, never asserted. With `PELLUCID_TEST_FULL` a minute of it or more.
+//!
+//! An input is answered by the frame that shows it, from when its event came. Everything is measured with the default look and
+//! with illustrative transparency over it, a k-buffer in either: its k captures everything anew.
 
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-use super::desk::{Desk, Place, tools_are_there};
+use pellucid::app::camera;
+use pellucid::scene::{Arrangement, Scene, builtin};
+use pellucid::session::{Session, camera_in_file};
+use pellucid::settings::Settings;
+
+use super::desk::{Desk, tools_are_there};
 use super::models;
 use super::support::{full, gpu};
 
@@ -37,39 +45,68 @@ fn percentile(mut values: Vec<f64>, p: f64) -> f64 {
     values[((values.len() - 1) as f64 * p).round() as usize]
 }
 
+/// Looks, their settings, and what is dragged in them: a slider, the number of those with that name before it.
+const LOOKS: [(&str, &str, &[(&str, usize)]); 3] = [
+    ("default", "", &[("Gain", 0)]),
+    ("k-buffer", "capture.kind=bucketed_k_buffer", &[("K", 0), ("Gain", 0)]),
+    (
+        "illustrative",
+        "capture.kind=bucketed_k_buffer opacity.model=illustrative opacity.illustrative.base=curvature",
+        &[("K", 0), ("Gain", 0), ("Lambda", 2)],
+    ),
+];
+
 #[test]
 fn how_long_the_hand_waits() {
     if !tools_are_there() || gpu("how long the hand waits").is_none() {
         return;
     }
     let drive = models::folder().map(|f| f.join("assemblies/CycloidalDrive.glb")).filter(|f| f.exists());
-    let file = drive.map_or_else(|| "builtin:gearbox".to_owned(), |f| f.display().to_string());
+    let (file, scene) = match drive {
+        Some(path) => (path.display().to_string(), pellucid::import::load(&path).unwrap()),
+        None => ("builtin:gearbox".to_owned(), builtin::build("gearbox").unwrap()),
+    };
+    let folder = tempfile::tempdir().unwrap();
+    for (look, pairs, sliders) in LOOKS {
+        let session = folder.path().join(format!("{look}.toml"));
+        std::fs::write(&session, session_of(&file, &scene, pairs)).unwrap();
+        println!("{file}, {look}");
+        measure(&session.display().to_string(), sliders);
+    }
+}
+
+fn session_of(file: &str, scene: &Scene, pairs: &str) -> String {
+    let size = [720, 520];
+    let camera = camera_in_file(&camera::first(&scene.bounds(), 720.0 / 520.0), scene);
+    let (file, settings) = (file.to_owned(), Settings::from_pairs(pairs).unwrap());
+    Session { file, size, camera, settings, arrangement: Arrangement::default() }.to_toml(scene).unwrap()
+}
+
+/// Turns and drags what there is to drag, each for as long, and prints how long the frames took that showed it.
+fn measure(file: &str, sliders: &[(&'static str, usize)]) {
     let seconds = if full() { 20 } else { 1 };
     // Where things are is found in another window of the same size: saying so takes time.
-    let desk = Desk::open(&[&file]);
+    let desk = Desk::open(&[file]);
     desk.settle();
     let [x, y, w, h] = desk.last_order().unwrap().1;
+    // What, where, how far, and how often the wheel is clicked before.
     let mut places = vec![
-        ("turning", [x + w / 2, y + h / 2], [w / 5, h / 5]),
-        ("dragging a point of the opacity curve", desk.place("Opacity point 2").middle(), [12, 12]),
+        ("turning".to_owned(), [x + w / 2, y + h / 2], [w / 5, h / 5], 0),
+        ("a point of the opacity curve".to_owned(), desk.place("Opacity point 2").middle(), [12, 12], 0),
     ];
-    // Settings that can be seen without scrolling: one of the last stages, one of the first.
-    for (what, name) in [("dragging the gain", "Gain"), ("dragging the number of layers", "K")] {
-        let seen = |p: &Place| p.top as u32 >= y && p.bottom as u32 <= y + h;
-        // The slider is the widest of what has this name, and the label the first.
-        let named = desk.find_all(name).into_iter().skip(1).filter(seen);
-        match named.max_by_key(|p| p.right - p.left) {
-            Some(place) => places.push((what, place.middle(), [20, 0])),
-            None => println!("SKIPPED: {what}: it is not in sight"),
-        }
+    for &(name, nth) in sliders {
+        let (place, clicks) = desk.slider(name, nth);
+        let what = if nth == 0 { name.to_owned() } else { format!("{name} {}", nth + 1) };
+        places.push((what, place.middle(), [20, 0], clicks));
     }
     desk.quit();
 
-    let desk = Desk::open_blind(&[&file]);
+    let desk = Desk::open_blind(&[file]);
     desk.settle();
-    println!("{file}, picture of {w}×{h} in a window of 1280×800");
+    println!("  picture of {w}×{h} in a window of 1280×800");
     let mut all = Vec::new();
-    for (what, at, reach) in places {
+    for (what, at, reach, clicks) in places {
+        desk.wheel_down(clicks);
         let before = desk.log().len();
         stir(&desk, at, reach, seconds);
         desk.settle();
@@ -85,16 +122,18 @@ fn how_long_the_hand_waits() {
         }
         let times = |list: &[(f64, String)]| list.iter().map(|(ms, _)| *ms).collect::<Vec<f64>>();
         let (median, p95) = (percentile(times(&answered), 0.5), percentile(times(&answered), 0.95));
+        let previews = figures(&log, "] in ");
         println!(
-            "{what}: answered in {median:.0} ms (median), {p95:.0} ms (95 %), {} inputs {by:?}; drawn anew in {:.0} ms (95 %); \
-             exact {:.0} ms after the last",
+            "  {what}: answered in {median:.0} ms (median), {p95:.0} ms (95 %), {} inputs {by:?}; drawn anew in {:.0} ms (95 %), \
+             previews of {:.0} ms (median); exact {:.0} ms after the last",
             answered.len(),
             percentile(times(&drawn), 0.95),
+            percentile(times(&previews), 0.5),
             exact.last().map_or(f64::NAN, |(ms, _)| *ms),
         );
         all.extend(times(&answered));
         std::thread::sleep(Duration::from_millis(200));
     }
-    println!("all: answered in {:.0} ms (95 %)", percentile(all, 0.95));
+    println!("  all: answered in {:.0} ms (95 %)", percentile(all, 0.95));
     desk.quit();
 }

@@ -67,7 +67,7 @@ pub fn show(ui: &mut Ui, rect: Rect, workspace: &mut Workspace) {
     let at = compare::divider(ui, rect, &divider);
     workspace.accuracy.divider = Some((overlay, at));
     if overlay == Overlay::Difference && found.is_some() {
-        messages::over(ui, "difference legend", Align2::RIGHT_BOTTOM, rect, legend);
+        messages::over(ui, "difference legend", Align2::LEFT_TOP, rect, legend);
     }
 }
 

@@ -248,8 +248,10 @@ impl Studio {
         self.go_on()?;
         let background = parse_background(&settings.image.background).unwrap_or_default();
         // Both have the size of the picture.
-        let map = image_error::compare(&job.picture, &frame.image, background)
-            .map_err(|e| GpuError::Device(e.to_string()))?;
+        let wanted = || !self.cancel.load(Ordering::Relaxed);
+        let map = image_error::compare_while(&job.picture, &frame.image, background, &wanted)
+            .map_err(|e| GpuError::Device(e.to_string()))?
+            .ok_or(RenderError::Cancelled)?;
         self.go_on()?;
         // Pictures of orders have small numbers; these are apart from them.
         let serial = |i: u64| (1 << 63) | (2 * job.number + i);

@@ -139,6 +139,7 @@ pub(in crate::app) fn over(ui: &mut Ui, id: &str, place: Align2, picture: Rect, 
         Align2::LEFT_BOTTOM => vec2(10.0, -10.0),
         Align2::RIGHT_BOTTOM => vec2(-10.0, -10.0),
         Align2::CENTER_TOP => vec2(0.0, 10.0),
+        Align2::LEFT_TOP => vec2(10.0, 10.0),
         _ => vec2(0.0, 0.0),
     };
     let at = place.pos_in_rect(&picture) + offset;

@@ -36,6 +36,13 @@ fn window() -> Window {
             window.run();
         }
     }
+    // What has no effect is put away in each of them.
+    let count = window.query_all_by_label_contains(stages::PUT_AWAY).count();
+    assert!(count >= 2, "{count}");
+    for i in 0..count {
+        window.get_all_by_label_contains(stages::PUT_AWAY).nth(i).unwrap().click();
+        window.run();
+    }
     window
 }
 
@@ -78,7 +85,7 @@ fn set(window: &mut Window, declaration: &Declaration, text: &str) {
         {
             choose(window);
         }
-        Range::Text => {
+        Range::Text | Range::Color { .. } => {
             widget(window, declaration, Role::TextInput).focus();
             window.run();
             window.key_press_modifiers(Modifiers::COMMAND, Key::A);

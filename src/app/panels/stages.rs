@@ -9,7 +9,6 @@ use std::sync::LazyLock;
 use egui::{Align, CollapsingHeader, Color32, ComboBox, DragValue, Layout, RichText, Slider, TextEdit, Ui, vec2};
 
 use crate::app::workspace::{Gravity, Workspace};
-use crate::export::image::parse_background;
 use crate::settings::{CaptureKind, Declaration, OpacityModel, Range, Settings, text_at};
 use crate::transfer;
 
@@ -24,6 +23,9 @@ pub const STAGES: &[(&str, &str)] = &[
     ("outline", "Outline of the selection"),
     ("image", "Picture"),
 ];
+
+/// What stands over the settings of a stage that have no part in the picture, and are put away there.
+pub const PUT_AWAY: &str = "Without effect now";
 
 /// Width of the labels.
 const LABELS: f32 = 104.0;
@@ -48,26 +50,16 @@ pub fn show(ui: &mut Ui, workspace: &mut Workspace) {
         CollapsingHeader::new(RichText::new(*title).strong()).id_salt(stage).default_open(open).show_unindented(
             ui,
             |ui| {
-                let mut group = String::new();
-                for declaration in DECLARATIONS.iter().filter(|d| d.path.split('.').next() == Some(*stage)) {
-                    let words: Vec<&str> = declaration.path.split('.').collect();
-                    let inner = words[1..words.len() - 1].join(".");
-                    if inner != group {
-                        ui.add_space(2.0);
-                        ui.label(RichText::new(title_of(&inner)).small().weak());
-                        group = inner;
-                    }
-                    let value = words.iter().try_fold(&values, |at, key| at.get(*key));
-                    let Some(value) = value else {
-                        continue;
-                    };
-                    ui.scope(|ui| {
-                        if !matters(settings, &declaration.path) {
-                            ui.multiply_opacity(0.5);
-                        }
-                        if let Some(text) = row(ui, declaration, value, &mut workspace.layout.typing) {
-                            change = Some((declaration.path.as_str(), text));
-                        }
+                let of_stage = |d: &&Declaration| d.path.split('.').next() == Some(*stage);
+                let (used, idle): (Vec<_>, Vec<_>) =
+                    DECLARATIONS.iter().filter(of_stage).partition(|d| matters(settings, &d.path));
+                let typing = &mut workspace.layout.typing;
+                change = rows(ui, &used, &values, typing).or(change.take());
+                if !idle.is_empty() {
+                    let title = RichText::new(format!("{PUT_AWAY} ({})", idle.len())).small().weak();
+                    CollapsingHeader::new(title).id_salt((stage, "idle")).show_unindented(ui, |ui| {
+                        ui.multiply_opacity(0.6);
+                        change = rows(ui, &idle, &values, typing).or(change.take());
                     });
                 }
                 ui.add_space(4.0);
@@ -75,24 +67,40 @@ pub fn show(ui: &mut Ui, workspace: &mut Workspace) {
         );
     }
     if let Some((path, text)) = change
-        && let Err(reason) = sound(path, &text).and_then(|()| settings.set(path, &text).map_err(|e| e.to_string()))
+        && let Err(reason) = settings.set(path, &text)
     {
-        workspace.say(Gravity::Error, reason);
+        workspace.say(Gravity::Error, reason.to_string());
     }
 }
 
-/// Whether the command line would take a text that settings keep as it is: a picture cannot show what is no colour.
-fn sound(path: &str, text: &str) -> Result<(), String> {
-    match path {
-        "image.background" => parse_background(text).map(|_| ()),
-        "outline.color" if transfer::hex(text).is_none() => {
-            Err(format!("outline.color '{text}': expected the form #rrggbb"))
+/// Settings one below the other, in their groups; gives the path and new value of one that was changed.
+fn rows(
+    ui: &mut Ui,
+    declarations: &[&'static Declaration],
+    values: &toml::Value,
+    typing: &mut Option<(String, String)>,
+) -> Option<(&'static str, String)> {
+    let mut change = None;
+    let mut group = String::new();
+    for declaration in declarations {
+        let words: Vec<&str> = declaration.path.split('.').collect();
+        let inner = words[1..words.len() - 1].join(".");
+        if inner != group {
+            ui.add_space(2.0);
+            ui.label(RichText::new(title_of(&inner)).small().weak());
+            group = inner;
         }
-        _ => Ok(()),
+        let Some(value) = words.iter().try_fold(values, |at, key| at.get(*key)) else {
+            continue;
+        };
+        if let Some(text) = row(ui, declaration, value, typing) {
+            change = Some((declaration.path.as_str(), text));
+        }
     }
+    change
 }
 
-/// Whether a setting has any part in the picture, given the others. What has none is dimmed, not locked.
+/// Whether a setting has any part in the picture, given the others. What has none is put away and dimmed, not locked.
 fn matters(settings: &Settings, path: &str) -> bool {
     let base = settings.opacity.base_model();
     let illustrated = settings.opacity.model == OpacityModel::Illustrative;
@@ -102,6 +110,7 @@ fn matters(settings: &Settings, path: &str) -> bool {
         "opacity.adaptive" => base == OpacityModel::Adaptive,
         _ if path.starts_with("opacity.angle.") => base == OpacityModel::AngleBased,
         _ if path.starts_with("opacity.variation.") => base == OpacityModel::NormalVariation,
+        _ if path.starts_with("opacity.equal_share.") => base == OpacityModel::EqualShare,
         _ if path.starts_with("opacity.illustrative.") => illustrated,
         _ if path.starts_with("capture.linked_list.") => settings.capture.kind == CaptureKind::LinkedList,
         _ if path.starts_with("features.curvature.") => stylized,
@@ -229,7 +238,7 @@ fn control(
                 }
             }
         }
-        Range::Text => text(ui, declaration, value, label, typing, title),
+        Range::Text | Range::Color { .. } => text(ui, declaration, value, label, typing, title),
     }
 }
 

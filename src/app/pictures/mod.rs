@@ -6,7 +6,13 @@
 //! the target; on a software rasterizer of fewer triangles too ([`simplify`]). The exact picture is the very one of
 //! `pellucid render`. It begins when nothing has moved for [`STILL`], and is abandoned, between passes, as soon as something
 //! does. Where exact pictures are as fast as previews have to be, there are no previews.
+//!
+//! Previews and the window's frames take turns. An input that comes just after a preview has begun waits for that one to be
+//! drawn and shown and for the next one, so what counts is twice the time of a preview and a frame; both at once, where the
+//! same processor draws them, would make either late and the next preview one of an older input. So a preview begins when the
+//! window has shown the one before ([`Pictures::shown`]), with what is newest then.
 
+mod lowered;
 pub mod pace;
 pub mod simplify;
 mod worker;
@@ -22,11 +28,15 @@ use crate::render::{FrameReport, LayerHistogram, PickedLayer};
 use crate::scene::Scene;
 use crate::settings::Settings;
 use crate::transfer::TransferFunction;
-use pace::Pace;
+use pace::{Change, Paces};
 use worker::Worker;
 
-/// What a preview may take, milliseconds, so that the frame that shows it comes within 100.
+/// What a preview may take, milliseconds, where frames of the window take next to nothing.
 pub const TARGET: f64 = 40.0;
+/// What a preview and the frame that shows it may take together, milliseconds: an input waits for two of each at most.
+const TURN: f64 = 45.0;
+/// However long frames take, a preview may take so much.
+const LEAST_TARGET: f64 = 15.0;
 /// How long nothing moves before the exact picture is begun.
 pub const STILL: Duration = Duration::from_millis(150);
 
@@ -88,6 +98,8 @@ pub struct Order {
     pub extras: Extras,
     /// Of the viewport, pixels.
     pub size: [u32; 2],
+    /// In what it differs from the order before.
+    change: Change,
     /// When to begin.
     not_before: Instant,
 }
@@ -224,7 +236,7 @@ pub enum Delivery {
 pub struct Pictures {
     preview: Worker,
     exact: Worker,
-    pace: Arc<Mutex<Pace>>,
+    pace: Arc<Mutex<Paces>>,
     deliveries: Receiver<Delivery>,
     number: u64,
     asked: Option<Order>,
@@ -237,7 +249,7 @@ impl Pictures {
     pub fn start(wake: impl Fn() + Send + Sync + 'static) -> Pictures {
         let wake: Arc<dyn Fn() + Send + Sync> = Arc::new(wake);
         let (sender, deliveries) = channel();
-        let pace = Arc::new(Mutex::new(Pace::new(TARGET)));
+        let pace = Arc::new(Mutex::new(Paces::new(TARGET)));
         let start = |kind| Worker::start(kind, Arc::clone(&pace), sender.clone(), Arc::clone(&wake));
         Pictures {
             preview: start(Kind::Preview),
@@ -261,6 +273,7 @@ impl Pictures {
         }
         self.number += 1;
         let now = Instant::now();
+        let change = change(self.asked.as_ref(), (scene_number, seen, &extras));
         let fast = self.exact_time.is_some_and(|(of, ms)| of == scene_number && ms <= TARGET);
         let order = Order {
             number: self.number,
@@ -269,6 +282,7 @@ impl Pictures {
             seen: seen.clone(),
             extras,
             size,
+            change,
             not_before: now,
         };
         self.exact.post(Order { not_before: if fast { now } else { now + STILL }, ..order.clone() });
@@ -301,6 +315,22 @@ impl Pictures {
         self.exact.clear();
     }
 
+    /// Whether a preview is being drawn or waits to be.
+    pub fn previewing(&self) -> bool {
+        self.preview.is_busy()
+    }
+
+    /// The last preview is on the screen, or not worth it: the next one may begin.
+    pub fn shown(&self) {
+        self.preview.release();
+    }
+
+    /// A frame of the window that shows another picture takes so long, of which previews take account.
+    pub fn frame_takes(&self, milliseconds: f64) {
+        let target = (TURN - milliseconds).clamp(LEAST_TARGET, TARGET);
+        self.pace.lock().unwrap_or_else(PoisonError::into_inner).aim(target);
+    }
+
     /// What came back since the last call.
     pub fn take(&mut self) -> Vec<Delivery> {
         let all: Vec<Delivery> = self.deliveries.try_iter().collect();
@@ -318,10 +348,27 @@ impl Pictures {
     pub fn number(&self) -> u64 {
         self.number
     }
+}
 
-    /// By how much previews are divided.
-    pub fn divisor(&self) -> f64 {
-        self.pace.lock().unwrap_or_else(PoisonError::into_inner).divisor()
+/// In what an order differs from the one before.
+fn change(old: Option<&Order>, (scene_number, seen, extras): (u64, &Seen, &Extras)) -> Change {
+    let Some(old) = old.filter(|o| o.scene_number == scene_number) else {
+        return Change::Whole;
+    };
+    let same_look = old.seen.settings == seen.settings && old.seen.arrangement == seen.arrangement;
+    let (then, now) = (&old.seen.settings, &seen.settings);
+    if same_look && old.extras == *extras {
+        // Where the view is the same too, the size is another one.
+        if old.seen.camera == seen.camera { Change::Whole } else { Change::View }
+    } else if old.seen.camera == seen.camera
+        && old.seen.arrangement == seen.arrangement
+        && (&then.capture, &then.features, then.opacity.model, then.opacity.base_model())
+            == (&now.capture, &now.features, now.opacity.model, now.opacity.base_model())
+        && old.extras.shaders == extras.shaders
+    {
+        Change::Light
+    } else {
+        Change::Whole
     }
 }
 

@@ -6,11 +6,66 @@
 //! keeps it from going back and forth.
 
 /// Steps of coarseness.
-pub const DIVISORS: [f64; 9] = [1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0];
+pub const DIVISORS: [f64; 10] = [1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0];
 /// Where an unknown model begins.
 const FIRST: usize = 5;
 /// No preview has a side of fewer pixels, unless the viewport has.
 const SMALLEST: f64 = 64.0;
+
+/// What a preview has to show that the picture before does not.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Change {
+    /// Another view. The picture before is moved along until it is there, so this one may take longer and show more.
+    View,
+    /// Other opacity or light, for which layers are kept.
+    Light,
+    /// Anything else: all is drawn anew.
+    Whole,
+}
+
+impl Change {
+    /// This one and another one.
+    pub fn and(self, other: Change) -> Change {
+        if self == other { self } else { Change::Whole }
+    }
+}
+
+/// A pace for each kind of change: what one of them has learnt says nothing about the others.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Paces {
+    view: Pace,
+    light: Pace,
+    whole: Pace,
+}
+
+impl Paces {
+    /// For previews that take no longer than `target` milliseconds.
+    pub fn new(target: f64) -> Paces {
+        let pace = Pace::new(target);
+        Paces { view: pace.clone(), light: pace.clone(), whole: pace }
+    }
+
+    /// The one of a change.
+    pub fn of(&mut self, change: Change) -> &mut Pace {
+        match change {
+            Change::View => &mut self.view,
+            Change::Light => &mut self.light,
+            Change::Whole => &mut self.whole,
+        }
+    }
+
+    /// What an input waits for may take no longer than this from now on.
+    pub fn aim(&mut self, target: f64) {
+        (self.light.target, self.whole.target) = (target, target);
+    }
+
+    /// Forgets what was measured: another model.
+    pub fn restart(&mut self) {
+        for pace in [&mut self.view, &mut self.light, &mut self.whole] {
+            pace.restart();
+        }
+    }
+}
 
 /// Holds the time of previews.
 #[derive(Clone, Debug, PartialEq)]
@@ -93,7 +148,7 @@ mod tests {
             assert!(divisors[30..].iter().all(|&x| x == d), "{fixed} {full}: {divisors:?}");
         }
         assert_eq!(settled(0.0, 30.0).0.divisor(), 1.0);
-        assert_eq!(settled(200.0, 10.0).0.divisor(), 6.0, "nothing helps: as coarse as can be");
+        assert_eq!(settled(200.0, 10.0).0.divisor(), 8.0, "nothing helps: as coarse as can be");
     }
 
     #[test]
@@ -106,9 +161,25 @@ mod tests {
     }
 
     #[test]
+    fn paces_learn_apart() {
+        let mut paces = Paces::new(40.0);
+        paces.aim(20.0);
+        for _ in 0..20 {
+            paces.of(Change::Whole).measured(30.0);
+            paces.of(Change::Light).measured(1.0);
+            paces.of(Change::View).measured(30.0);
+        }
+        let divisors = [Change::View, Change::Light, Change::Whole].map(|c| paces.of(c).divisor());
+        assert!(divisors[0] < divisors[2] && divisors[1] < divisors[2], "{divisors:?}");
+        paces.restart();
+        assert_eq!(paces.of(Change::Whole).divisor(), DIVISORS[FIRST]);
+        assert_eq!(paces.of(Change::Whole).target, 20.0);
+    }
+
+    #[test]
     fn sizes_are_never_empty() {
         let pace = Pace { step: DIVISORS.len() - 1, ..Pace::new(60.0) };
-        assert_eq!(pace.size([1280, 800]), [213, 133]);
+        assert_eq!(pace.size([1280, 800]), [160, 100]);
         assert_eq!(pace.size([3, 1]), [3, 1]);
         assert_eq!(pace.size([0, 0]), [1, 1]);
     }

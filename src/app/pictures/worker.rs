@@ -5,11 +5,12 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::Sender;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
-use super::pace::Pace;
+use super::lowered::lowered;
+use super::pace::{Change, Paces};
 use super::simplify::simplified;
-use super::{Counted, Delivery, Extras, Fault, Kind, Order, PickOrder, Picked, Picture, Wish};
+use super::{Counted, Delivery, Extras, Fault, Kind, Order, PickOrder, Picked, Picture, STILL, Wish};
 use crate::app::document::Seen;
 use crate::app::watch::ShaderTexts;
 use crate::export::image::parse_background;
@@ -23,6 +24,8 @@ mod tests;
 
 /// Triangles of a preview on a software rasterizer.
 const SOFTWARE_TRIANGLES: u64 = 8_000;
+/// How long the next preview waits for the window to show the last one, at most.
+const LONGEST_SHOWING: Duration = Duration::from_millis(80);
 
 #[derive(Default)]
 struct Slot {
@@ -30,6 +33,10 @@ struct Slot {
     pick: Option<PickOrder>,
     /// For when there is nothing else.
     hover: Option<PickOrder>,
+    /// Something is being drawn.
+    at_work: bool,
+    /// The window is showing the last preview: until then the next one waits.
+    shut_until: Option<Instant>,
     closed: bool,
 }
 
@@ -56,7 +63,7 @@ impl Worker {
     /// Starts the thread; the device is opened there. `deliver` is called after everything sent.
     pub fn start(
         kind: Kind,
-        pace: Arc<Mutex<Pace>>,
+        pace: Arc<Mutex<Paces>>,
         sender: Sender<Delivery>,
         wake: Arc<dyn Fn() + Send + Sync>,
     ) -> Worker {
@@ -82,12 +89,14 @@ impl Worker {
                         }
                         Some(Delivery::Picture(picture)) => {
                             let report = picture.report.clone();
+                            theirs.finished(kind);
                             deliver(Delivery::Picture(picture))
                                 && studio.afterwards(&order, &report, &theirs).into_iter().all(&deliver)
                         }
                         Some(other) => deliver(other),
                     },
                 };
+                theirs.rest();
                 if !(there && studio.said.take().is_none_or(|text| deliver(Delivery::Said(text)))) {
                     return;
                 }
@@ -102,11 +111,27 @@ impl Worker {
 
     /// Asks for a picture instead of whatever was asked for before. An exact picture at work is abandoned; a preview is
     /// finished, so that there is one now and then.
-    pub fn post(&self, order: Order) {
+    pub fn post(&self, mut order: Order) {
         let mut slot = lock(&self.desk.slot);
+        if let Some(passed_over) = &slot.order {
+            order.change = order.change.and(passed_over.change);
+        }
         self.desk.cancel.store(self.kind == Kind::Exact, Ordering::Relaxed);
         slot.order = Some(order);
         self.desk.posted.notify_one();
+    }
+
+    /// Whether something is being drawn or waits to be.
+    pub fn is_busy(&self) -> bool {
+        let slot = lock(&self.desk.slot);
+        slot.at_work || slot.order.is_some()
+    }
+
+    /// The next preview need not wait any longer.
+    pub fn release(&self) {
+        if lock(&self.desk.slot).shut_until.take().is_some() {
+            self.desk.posted.notify_one();
+        }
     }
 
     /// Asks for the layers under a pixel, before anything else; a picture at work is begun again afterwards. What is only
@@ -170,7 +195,8 @@ impl Desk {
                 self.cancel.store(false, Ordering::Relaxed);
                 return Some(Work::Pick(Box::new(hover)));
             }
-            let wait = slot.order.as_ref().map(|o| o.not_before.saturating_duration_since(Instant::now()));
+            let begin = slot.order.as_ref().map(|o| slot.shut_until.map_or(o.not_before, |at| at.max(o.not_before)));
+            let wait = begin.map(|at| at.saturating_duration_since(Instant::now()));
             slot = match wait {
                 None => self.posted.wait(slot).unwrap_or_else(PoisonError::into_inner),
                 Some(left) if !left.is_zero() => {
@@ -178,9 +204,39 @@ impl Desk {
                 }
                 Some(_) => {
                     self.cancel.store(false, Ordering::Relaxed);
+                    slot.shut_until = None;
+                    slot.at_work = true;
                     return slot.order.take().map(|order| Work::Draw(Box::new(order)));
                 }
             };
+        }
+    }
+
+    /// A picture is drawn and will be delivered.
+    fn finished(&self, kind: Kind) {
+        let mut slot = lock(&self.slot);
+        slot.at_work = false;
+        slot.shut_until = (kind == Kind::Preview).then(|| Instant::now() + LONGEST_SHOWING);
+    }
+
+    /// Nothing is being drawn.
+    fn rest(&self) {
+        lock(&self.slot).at_work = false;
+    }
+
+    /// Waits whether there is nothing newer to do for so long.
+    fn stays_idle(&self, duration: Duration) -> bool {
+        let until = Instant::now() + duration;
+        let mut slot = lock(&self.slot);
+        loop {
+            if slot.order.is_some() || slot.pick.is_some() || slot.closed {
+                return false;
+            }
+            let left = until.saturating_duration_since(Instant::now());
+            if left.is_zero() {
+                return true;
+            }
+            slot = self.posted.wait_timeout(slot, left).unwrap_or_else(PoisonError::into_inner).0;
         }
     }
 
@@ -224,7 +280,7 @@ struct Uploaded {
 /// What lives on the thread.
 struct Studio {
     kind: Kind,
-    pace: Arc<Mutex<Pace>>,
+    pace: Arc<Mutex<Paces>>,
     bench: Option<Bench>,
     cancel: Arc<AtomicBool>,
     /// Texts that stand in for shader modules.
@@ -276,8 +332,10 @@ impl Studio {
     /// compared with.
     fn afterwards(&mut self, order: &Order, report: &FrameReport, desk: &Desk) -> Vec<Delivery> {
         let mut all = Vec::new();
+        // Beside previews one after the other, counting would be in the way.
+        let idle = |kind| if kind == Kind::Preview { desk.stays_idle(STILL) } else { desk.is_idle() };
         if order.extras.counts
-            && desk.is_idle()
+            && idle(self.kind)
             && let Some(Bench { renderer, scene: Some(uploaded), .. }) = &self.bench
         {
             let begin = Instant::now();
@@ -368,6 +426,9 @@ impl Studio {
             if self.kind == Kind::Exact && software {
                 // Passes one by one: they can be cancelled in between, and their times are right.
                 renderer.timing = Timing::Serial;
+            } else if software {
+                // Of passes at once no times are known there.
+                renderer.timing = Timing::Off;
             }
             self.bench = Some(Bench { renderer, software, scene: None });
         }
@@ -440,12 +501,12 @@ impl Studio {
             return Err(RenderError::Cancelled);
         };
         let begin = Instant::now();
-        let mut settings = order.seen.settings.clone();
-        let size = match kind {
-            Kind::Exact => order.size,
+        let (settings, size) = match kind {
+            Kind::Exact => (order.seen.settings.clone(), order.size),
             Kind::Preview => {
-                settings.image.samples = 1;
-                lock(&pace).size(order.size)
+                let size = lock(&pace).of(order.change).size(order.size);
+                let divisor = f64::from(order.size[1].max(1)) / f64::from(size[1]);
+                (lowered(&order.seen.settings, divisor), size)
             }
         };
         let frame = match &order.extras.transfer {
@@ -457,9 +518,10 @@ impl Studio {
         let milliseconds = begin.elapsed().as_secs_f64() * 1e3;
         let kept = frame.report.kept;
         tracing::debug!("{} {}: {size:?} in {milliseconds:.1} ms, kept: {kept:?}", kind.name(), order.number);
-        // A part of a frame says nothing about how long a whole one takes.
-        if kind == Kind::Preview && kept == Kept::Nothing {
-            lock(&pace).measured(milliseconds);
+        // A part of a frame says nothing about how long a whole one takes, nor a whole one about a part.
+        let expected = if order.change == Change::Light { Kept::Features } else { Kept::Nothing };
+        if kind == Kind::Preview && kept == expected {
+            lock(&pace).of(order.change).measured(milliseconds);
         }
         Ok(Picture {
             number: order.number,

@@ -13,10 +13,7 @@ impl Shell {
         };
         let ms = |came: Instant| came.elapsed().as_secs_f64() * 1e3;
         // The picture is moved along with the camera, so the frame answers whatever only moves that.
-        let settings = |d: &crate::app::document::Document| {
-            d.seen.settings == screen.look.0 && d.seen.arrangement == screen.look.1
-        };
-        let follows = self.workspace.document.as_ref().is_some_and(settings);
+        let follows = self.picture_follows();
         let up_to = if follows { self.workspace.order } else { screen.number };
         while let Some(&(number, came)) = self.inputs.front()
             && number <= up_to

@@ -7,7 +7,7 @@
 //! of a whole frame.
 
 use std::collections::{HashMap, HashSet};
-use std::hash::{DefaultHasher, Hash, Hasher};
+use std::hash::{BuildHasherDefault, DefaultHasher, Hash, Hasher};
 
 use egui::epaint::{ClippedPrimitive, Mesh, Primitive, WHITE_UV};
 use egui::{Color32, Pos2, Rect, TextureId, TexturesDelta, Vec2};
@@ -112,21 +112,52 @@ fn traces(shape: &ClippedPrimitive, window: Rect) -> Vec<Trace> {
     let common = hasher.finish();
     let corner = |&index: &u32| mesh.vertices.get(index as usize).copied().unwrap_or_default();
     let of = |triangle: &[u32]| {
-        let mut hasher = DefaultHasher::new();
-        common.hash(&mut hasher);
+        let mut digest = common;
         let mut bounds = Rect::NOTHING;
         for vertex in triangle.iter().map(corner) {
             bounds.extend_with(vertex.pos);
-            hasher.write(bytemuck::bytes_of(&vertex));
+            let place = [vertex.pos.x, vertex.pos.y, vertex.uv.x, vertex.uv.y].map(|v| u64::from(v.to_bits()));
+            let color = u64::from(u32::from_le_bytes(vertex.color.to_array()));
+            for word in [place[0] << 32 | place[1], place[2] << 32 | place[3], color] {
+                digest = mixed(digest, word);
+            }
         }
-        Trace { digest: Some(hasher.finish()), rect: clip.intersect(bounds) }
+        Trace { digest: Some(digest), rect: clip.intersect(bounds) }
     };
     mesh.indices.chunks_exact(3).map(of).filter(|t| t.rect.is_positive()).collect()
 }
 
+/// A digest with a word more: one step of multiplication and folding, because there are ten thousands of triangles and egui
+/// is no adversary.
+fn mixed(digest: u64, word: u64) -> u64 {
+    let product = u128::from(digest ^ word ^ 0x9e37_79b9_7f4a_7c15) * 0xd6e8_feb8_6659_fd93;
+    (product as u64) ^ (product >> 64) as u64
+}
+
+/// Digests are hashes already.
+#[derive(Default)]
+struct AsItIs(u64);
+
+impl Hasher for AsItIs {
+    fn finish(&self) -> u64 {
+        self.0
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        self.0 = bytes.iter().fold(self.0, |digest, byte| mixed(digest, u64::from(*byte)));
+    }
+
+    fn write_u64(&mut self, digest: u64) {
+        self.0 = digest;
+    }
+}
+
+/// How often there is something with a digest.
+type Counts = HashMap<u64, usize, BuildHasherDefault<AsItIs>>;
+
 /// Where two frames differ; `None` if the same things lie in another order.
 fn differences(old: &[Trace], new: &[Trace]) -> Option<Vec<Rect>> {
-    let mut counts: HashMap<u64, usize> = HashMap::new();
+    let mut counts = Counts::with_capacity_and_hasher(old.len(), Default::default());
     for digest in old.iter().filter_map(|t| t.digest) {
         *counts.entry(digest).or_default() += 1;
     }
@@ -142,7 +173,7 @@ fn differences(old: &[Trace], new: &[Trace]) -> Option<Vec<Rect>> {
         }
     }
     // What is left of the old frame has gone. Of several equal things the first ones stay, in both.
-    let mut kept: HashMap<u64, usize> = HashMap::new();
+    let mut kept = Counts::with_capacity_and_hasher(new.len(), Default::default());
     for digest in &common_of_new {
         *kept.entry(*digest).or_default() += 1;
     }

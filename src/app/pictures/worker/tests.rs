@@ -12,7 +12,7 @@ fn studio(kind: Kind) -> Option<Studio> {
         println!("SKIPPED: lost devices: {e}");
         return None;
     }
-    let pace = Arc::new(Mutex::new(Pace::new(TARGET)));
+    let pace = Arc::new(Mutex::new(Paces::new(TARGET)));
     Some(Studio { kind, pace, bench: None, cancel: Arc::default(), shaders: Arc::default(), refused: None, said: None })
 }
 
@@ -20,8 +20,8 @@ fn order(number: u64) -> Order {
     let scene = Arc::new(builtin::build("stack").unwrap());
     let camera = camera::first(&scene.bounds(), 1.5);
     let seen = Seen { settings: Settings::default(), camera, arrangement: Arrangement::default() };
-    let (size, not_before) = ([48, 32], Instant::now());
-    Order { number, scene, scene_number: 1, seen, extras: Extras::default(), size, not_before }
+    let (size, change, not_before) = ([48, 32], Change::Whole, Instant::now());
+    Order { number, scene, scene_number: 1, seen, extras: Extras::default(), size, change, not_before }
 }
 
 /// The pixel in the middle of the same view.
