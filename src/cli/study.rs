@@ -23,7 +23,7 @@ pub struct StudyArgs {
     #[command(flatten)]
     pub camera: CameraArgs,
     /// Views all around among which junctions are chosen
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=360), default_value_t = 8)]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=360), default_value_t = 12)]
     pub views: u32,
     /// Picture size in pixels
     #[arg(long, value_name = "WxH", value_parser = size, default_value = "800x800")]

@@ -10,7 +10,7 @@ use crate::common::*;
 #[test]
 fn illustrative_transparency_shows_twice_as_plainly_what_lies_in_front() {
     let Some(mut r) = renderer() else { return };
-    let (views, size, wanted, least) = if full() { (8, 800, 200, 200) } else { (2, 480, 40, 20) };
+    let (views, size, wanted, least) = if full() { (12, 800, 200, 200) } else { (2, 480, 40, 16) };
     for name in ["flow", "gearbox"] {
         let scene = builtin::build(name).expect("a scene");
         let camera = camera(&scene, false);
