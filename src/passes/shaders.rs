@@ -143,9 +143,13 @@ pub fn all_plans() -> Vec<FramePlan> {
     let opacities = all_opacities();
     let mut plans: Vec<FramePlan> = Vec::new();
     let mut seen = HashSet::new();
+    let usual = Settings::default().features;
     for settings in all_settings() {
-        for opacity in &opacities {
-            for scene in &scenes {
+        // How features are computed concerns no shader of the stages after them: one opacity for each set of features is enough,
+        // and the scenes that have something to say about neighbours.
+        let features_alone = settings.features != usual;
+        for opacity in opacities.iter().filter(|o| !features_alone || FEATURES_FOR.contains(o)) {
+            for scene in scenes.iter().filter(|s| !features_alone || s.recolored_parts + s.blended_materials == 0) {
                 let view = ViewStats::default();
                 let Ok(plan) = plan::plan_with(&settings, *opacity, scene, &view, &capabilities, [64, 64]) else {
                     continue;
@@ -164,6 +168,9 @@ pub fn all_plans() -> Vec<FramePlan> {
     }
     plans
 }
+
+/// Opacities that need neighbours with curvature, and without.
+const FEATURES_FOR: [Opacity; 2] = [Opacity::Curvature, Opacity::NormalVariation];
 
 /// What every opacity model makes of transfer functions that vary with curvature, with depth, with nothing.
 fn all_opacities() -> Vec<Opacity> {

@@ -290,7 +290,8 @@ mod tests {
         // Not exactly nothing: perspective is not linear between pixels, and at the border one side is missing.
         assert!(moved.mean < 2e-4, "{moved:?}");
         let still: Vec<_> = (0..from.len()).map(|i| vec![(i, 1.0)]).collect();
-        assert!(Changes::of([&change(&from, &to, &still)]).mean > 20.0 * moved.mean);
+        let unmoved = Changes::of([&change(&from, &to, &still)]);
+        assert!(unmoved.mean > 10.0 * moved.mean, "{unmoved:?} {moved:?}");
         // What changes besides is found, and how much.
         let brighter: Vec<_> = to.iter().map(|c| c.map(|v| v + 0.04)).collect();
         let changed = Changes::of([&change(&from, &brighter, &brought)]);

@@ -31,7 +31,7 @@ pub(in crate::app) fn workspace(file: &str) -> Workspace {
 
 pub(in crate::app) fn harness(workspace: Workspace) -> Harness<'static, Workspace> {
     let show = |ui: &mut egui::Ui, workspace: &mut Workspace| panels::show(ui, workspace);
-    let mut harness = Harness::builder().with_size(egui::vec2(1280.0, 2600.0)).build_ui_state(show, workspace);
+    let mut harness = Harness::builder().with_size(egui::vec2(1280.0, 3600.0)).build_ui_state(show, workspace);
     super::style::set_up(&harness.ctx);
     harness.run();
     harness
