@@ -190,6 +190,10 @@ fn control(
     typing: &mut Option<(String, String)>,
     title: &str,
 ) -> Option<String> {
+    // A long number takes from the slider, not from what puts it back.
+    let number = 8.0 * value.to_string().len().min(12) as f32 + 16.0 + ui.spacing().item_spacing.x;
+    let room = (ui.available_width() - number).max(24.0);
+    ui.spacing_mut().slider_width = ui.spacing().slider_width.min(room);
     match declaration.range {
         Range::Integer(least, most) => {
             let mut n = value.as_integer()?;

@@ -7,6 +7,8 @@
 
 /// Steps of coarseness.
 pub const DIVISORS: [f64; 10] = [1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0];
+/// What a preview may take in any case for which only light and opacity are computed, milliseconds.
+const LEAST_LIGHT: f64 = 24.0;
 /// Where an unknown model begins.
 const FIRST: usize = 5;
 /// No preview has a side of fewer pixels, unless the viewport has.
@@ -54,9 +56,10 @@ impl Paces {
         }
     }
 
-    /// What an input waits for may take no longer than this from now on.
+    /// What an input waits for may take no longer than this from now on. Where layers are kept, another size costs a whole frame
+    /// for what it saves, so that there is less haste.
     pub fn aim(&mut self, target: f64) {
-        (self.light.target, self.whole.target) = (target, target);
+        (self.light.target, self.whole.target) = (target.max(LEAST_LIGHT), target);
     }
 
     /// Forgets what was measured: another model.
