@@ -92,8 +92,10 @@ fn every_declared_setting_can_be_reached_and_reset() {
     open_everything(&mut harness);
     for (path, label) in &expected {
         // Two settings may have one title; each reset takes the first that is left.
+        let before = settings(&harness).clone();
         harness.get_all_by_label(label).next().unwrap_or_else(|| panic!("{path}: no '{label}'")).click();
         harness.run();
+        assert!(*settings(&harness) != before, "{path}: '{label}' changes nothing");
     }
     assert_eq!(*settings(&harness), Settings::default());
 }
