@@ -206,6 +206,7 @@ fn all_settings() -> Vec<Settings> {
         *all = varied.collect();
     }
     all[0].capture.bucketed_k_buffer.k = 64;
+    all[0].opacity.model = OpacityModel::Curvature;
     all[0].image.samples = 2;
     // What is another capture's changes nothing.
     let mut captures = Vec::new();

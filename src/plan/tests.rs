@@ -31,9 +31,7 @@ fn planned(settings: &Settings, transfer: &TransferFunction) -> FramePlan {
 
 /// Curvature alone.
 fn stylized() -> Settings {
-    let mut settings = Settings::default();
-    settings.opacity.model = OpacityModel::Curvature;
-    settings
+    Settings::from_pairs("opacity.model=curvature").unwrap()
 }
 
 fn bucketed(k: u32) -> Settings {
@@ -221,8 +219,8 @@ fn illustrative_transparency_needs_neighbours_and_an_apron_as_wide_as_its_steps(
     assert_eq!(skipped(&plan, "curvature"), "opacity does not depend on curvature");
     assert_eq!((plan.lit_apron(), plan.apron), (20, 20 + 24 + 1));
     settings.opacity.illustrative.feature_size = 0;
-    assert_eq!(planned(&settings, &usual()).apron, 21);
-    assert_eq!(skipped(&planned(&settings, &usual()), "feature size"), "diffusion is isotropic");
+    let isotropic = planned(&settings, &usual());
+    assert_eq!((isotropic.apron, skipped(&isotropic, "feature size")), (21, "diffusion is isotropic"));
     settings.opacity.illustrative.beta.lambda = 0.01;
     settings.opacity.illustrative.base = BaseOpacity::Curvature;
     let wide = planned(&settings, &usual());

@@ -98,7 +98,7 @@ fn bands_do_not_show() {
     let camera = camera(&scene, false);
     for capture in ["kind=compacted", "kind=lists", "kind=bkb k=16"] {
         let s = settings(&format!(
-            "model=illustrative features.depth_term=parameters opacity.illustrative.iterations=2 \
+            "model=illustrative features.depth_term=parameters opacity.illustrative.feature_size=0 opacity.illustrative.iterations=2 \
              opacity.illustrative.beta.lambda=0.5 opacity.illustrative.gamma.lambda=0.5 {capture}"
         ));
         let whole = draw(&mut r, &scene, &camera, &s, [64, 90]);

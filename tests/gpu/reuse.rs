@@ -81,7 +81,7 @@ fn what_is_kept_changes_no_bit() {
             ("other light", add("light.exposure=0.6", &first), Kept::Features),
             ("selected", selected, Kept::Features),
             ("another curvature", add("curvature=view_centred", &first), Kept::Layers),
-            ("a wider regression", add("radius=0.05", &first), Kept::Nothing),
+            ("a wider regression", add("radius=0.05", &first), Kept::Layers),
             ("back", first.clone(), Kept::Nothing),
             ("turned", Seen { camera: first.camera.azimuth(7.0), ..first.clone() }, Kept::Nothing),
             ("larger", Seen { size: [70, 48], ..first.clone() }, Kept::Nothing),

@@ -467,7 +467,8 @@ fn settings_are_listed_written_and_read_back() {
         "tf.toml",
         b"[color]\npoints = [{ kappa = 0, color = 0.5 }]\n[opacity]\ncurves = [{ depth = 0, points = [[0, 0.5]] }]\n",
     );
-    assert_eq!(plan("--transfer tf.toml")["features"], Value::Null, "constant functions need no curvature");
+    assert_eq!(plan("--transfer tf.toml")["features"]["curvature"], false, "constant functions need no curvature");
+    assert_eq!(plan("--transfer tf.toml --opacity curvature")["features"], Value::Null, "nor neighbours");
 }
 
 #[test]
@@ -481,7 +482,7 @@ fn a_plan_says_what_runs_and_why() {
     {
         assert!(text.contains(words), "{words}: {text}");
     }
-    let banded = place.done("plan boxes.glb --size 2000x2000 --k 64 --json").json();
+    let banded = place.done("plan boxes.glb --size 2000x2000 --opacity curvature --k 64 --json").json();
     assert!(banded["bands"].as_array().is_some_and(|b| b.len() > 1));
 }
 

@@ -105,9 +105,9 @@ fn what_is_wrong_is_said() {
     let said = fails(folder, 2, &["render", "far.glb", "-o", "-", "--save-session", "-"]);
     assert!(said.contains("--output and --save-session cannot both go to standard output"), "{said}");
     let said = fails(folder, 2, &["render", "far.glb", "-o", "a.png", "--set", "image.background=blue"]);
-    assert!(said.contains("image.background = blue: expected none or the form #rrggbb"), "{said}");
+    assert!(said.contains("image.background = \"blue\": expected none or the form #rrggbb"), "{said}");
     let said = fails(folder, 2, &["render", "far.glb", "-o", "a.png", "--set", "outline.color=gold"]);
-    assert!(said.contains("outline.color = gold: expected the form #rrggbb"), "{said}");
+    assert!(said.contains("outline.color = \"gold\": expected the form #rrggbb"), "{said}");
     assert!(!folder.join("a.png").exists());
     // No adapter is needed to save a session, to standard output too.
     let text = done(folder, &["render", "far.glb", "--ghost", "inner", "--save-session", "-"]).stdout;
