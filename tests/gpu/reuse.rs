@@ -82,7 +82,7 @@ fn what_is_kept_changes_no_bit() {
             ("selected", selected, Kept::Features),
             ("another curvature", add("curvature=view_centred", &first), Kept::Layers),
             ("a wider regression", add("radius=0.05", &first), Kept::Layers),
-            ("back", first.clone(), Kept::Nothing),
+            ("back", first.clone(), Kept::Layers),
             ("turned", Seen { camera: first.camera.azimuth(7.0), ..first.clone() }, Kept::Nothing),
             ("larger", Seen { size: [70, 48], ..first.clone() }, Kept::Nothing),
             ("hidden", hidden, Kept::Nothing),
