@@ -36,7 +36,7 @@ pub enum BenchCommand {
     /// What changes from frame to frame of an orbit beyond what moves, with one sample a pixel against many
     Flicker(Box<flicker::FlickerArgs>),
     /// How plainly opacity models show what lies in front: luminance steps at T-junctions
-    Study(super::study::StudyArgs),
+    Study(Box<super::study::StudyArgs>),
     /// Whether settings chosen by --budget and --max-error keep their promise when measured afresh
     Budgets(BudgetsArgs),
 }

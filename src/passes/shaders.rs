@@ -16,8 +16,8 @@ use crate::gpu::ShaderSpec;
 use crate::plan::{self, Capabilities, Capture, FramePlan, Opacity, Pass, ViewStats};
 use crate::scene::{Scene, SceneStats};
 use crate::settings::{
-    CaptureKind, CurvatureUnit, DepthQuantization, DepthTerm, KeyFormat, ListSort, NeighbourSearch, NormalEncoding,
-    OpacityModel, PrintedForm, Settings, SlotSearch, Tail,
+    CaptureKind, CurvatureUnit, DepthQuantization, DepthTerm, Diffusion, KeyFormat, ListSort, NeighbourSearch,
+    NormalEncoding, OpacityModel, PrintedForm, Settings, SlotSearch, Tail,
 };
 use crate::transfer::{ColorFunction, TransferFunction, TransferSource};
 
@@ -244,6 +244,15 @@ fn all_settings() -> Vec<Settings> {
             s
         }));
     }
+    // Fields that do not spread.
+    all.extend(plain.iter().cloned().map(|mut s| {
+        let fields = &mut s.opacity.illustrative;
+        s.opacity.model = OpacityModel::Illustrative;
+        fields.alpha.diffusion = Diffusion::None;
+        fields.beta.diffusion = Diffusion::None;
+        fields.gamma.diffusion = Diffusion::None;
+        s
+    }));
     all
 }
 

@@ -134,7 +134,7 @@ fn measure(args: &IllustrationArgs, file: &str, progress: &Progress) -> Result<M
         ("opacity.illustrative.feature_size", "0"),
     ];
     let model = printed.map(|(path, value)| (path, value.to_owned()));
-    let of = |more: &[(&'static str, String)]| settings_of(&[&[lists.clone()], &model[..], more].concat());
+    let of = |more: &[(&'static str, String)]| settings_of(&[std::slice::from_ref(&lists), &model[..], more].concat());
     let with = of(&[("opacity.illustrative.iterations", args.iterations.to_string())])?;
     let still = |field| (field, "none".to_owned());
     let without = of(&[

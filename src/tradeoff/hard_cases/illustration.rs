@@ -83,7 +83,8 @@ fn contour_pixels(scene: &Scene, camera: &Camera, size: [u32; 2]) -> Vec<bool> {
     for part in &scene.parts {
         let view_from_part = camera.view_from_world() * part.world_from_part;
         // Edges by where they are, since sharp ones have vertices of their own on each side: how each face looks.
-        let mut edges: HashMap<[[u32; 3]; 2], (Vec<bool>, [DVec3; 2])> = HashMap::new();
+        type Edge = (Vec<bool>, [DVec3; 2]);
+        let mut edges: HashMap<[[u32; 3]; 2], Edge> = HashMap::new();
         for primitive in &scene.meshes[part.mesh].primitives {
             for t in &primitive.triangles {
                 let corner = |i: u32| primitive.positions[i as usize];

@@ -269,10 +269,10 @@ impl Contender {
     /// Its settings with all gains multiplied, each as far as its range goes. `None` if it does not exist.
     fn settings(&self, base: &Settings, gain: f64) -> Result<Option<Settings>, StudyError> {
         let mut settings = base.clone();
-        if let Some(look) = self.look {
-            if !looks::LOOKS.iter().any(|l| l.name == look) || looks::apply(&mut settings, look).is_err() {
-                return Ok(None);
-            }
+        if let Some(look) = self.look
+            && (!looks::LOOKS.iter().any(|l| l.name == look) || looks::apply(&mut settings, look).is_err())
+        {
+            return Ok(None);
         }
         for pair in self.settings.split_whitespace() {
             let (path, value) = pair.split_once('=').unwrap_or((pair, ""));
