@@ -1,4 +1,4 @@
-//! Import: bytes to [`Scene`], for glTF 2.0 as text (`.gltf`) and binary (`.glb`).
+//! Import: bytes to [`Scene`]. Each format has a module; what they share stands beside them.
 //!
 //! Files come from anywhere, so nothing in them is believed: every index, offset, length and count is checked in `u64`
 //! before it is used, numbers must be finite, references stay inside the model's folder, and sizes have limits. There
@@ -9,33 +9,18 @@
 //!   sentence each;
 //! - it contradicts itself, is missing, or needs something unsupported to be readable: an [`ImportError`] that names
 //!   file, place and cause. Nothing panics.
-//!
-//! From the `gltf` crates only the JSON types are used (`gltf-json`): its reader panics on several malformed files, and
-//! its validation refuses extensions that this program reads or can do without.
-//!
-//! One file passes through the modules in this order: `container` (GLB chunks) → `document` (JSON, place by place)
-//! → `extensions` (what is required, what is left out) → `buffers` and `uri` → `accessor` → `images` →
-//! `materials` → `geometry` (with `attributes`, `tangents` and the scene's normals) → `nodes`.
 
-mod accessor;
-mod attributes;
-mod buffers;
 pub mod cases;
-mod container;
-mod document;
 mod error;
-mod extensions;
-mod geometry;
-mod images;
-mod materials;
-mod nodes;
+mod gltf;
 mod notices;
-mod tangents;
+mod phase;
 mod uri;
 
 #[cfg(test)]
 mod tests;
 
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -45,6 +30,7 @@ use crate::scene::Scene;
 pub use error::ImportError;
 use error::{Fallible, Fault};
 use notices::Notices;
+pub use phase::{Phase, Progress};
 
 /// What the importer does where the file leaves it open, and how much it takes.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,10 +41,32 @@ pub struct ImportOptions {
     /// ([`reweighted_normals`](crate::scene::reweighted_normals)), and flat ones inside edges of curved facets interpolated
     /// ([`interpolated_normals`](crate::scene::interpolated_normals)).
     pub reweight_normals: bool,
+    /// What becomes a part; `None` is what suits the format.
+    pub parts: Option<PartsBy>,
+    /// The material variant to show, by name (KHR_materials_variants); `None` shows the file's default.
+    pub variant: Option<String>,
+    /// Programs that turn other formats into ones that are read: from a file's extension, in lower case, to a command line
+    /// in which `{in}` and `{out}` stand for the files.
+    pub converters: BTreeMap<String, String>,
     /// How much is taken.
     pub limits: Limits,
     /// Asked between phases, images and primitives.
     pub cancel: Cancel,
+    /// Told how far it is.
+    pub progress: Progress,
+}
+
+/// What becomes a part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PartsBy {
+    /// Every node, object or group that the file names.
+    Node,
+    /// All triangles of one material.
+    Material,
+    /// Triangles that are connected, vertices at one place taken for one.
+    Component,
+    /// The whole file.
+    File,
 }
 
 impl Default for ImportOptions {
@@ -66,8 +74,12 @@ impl Default for ImportOptions {
         ImportOptions {
             crease_angle: 30.0,
             reweight_normals: true,
+            parts: None,
+            variant: None,
+            converters: BTreeMap::new(),
             limits: Limits::default(),
             cancel: Cancel::default(),
+            progress: Progress::default(),
         }
     }
 }
@@ -154,7 +166,7 @@ pub fn load_with(path: &Path, options: &ImportOptions) -> Result<Scene, ImportEr
         _ => Path::new("."),
     };
     let name = path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
-    import(&bytes, &name, Some(folder), options).map_err(|fault| fault.in_file(&file))
+    gltf::read(&bytes, &name, Some(folder), options).map_err(|fault| fault.in_file(&file))
 }
 
 /// Reads a model from memory with default options. `name` is the scene's name and stands for the file in errors;
@@ -176,41 +188,5 @@ pub fn load_bytes_with(
     base_dir: Option<&Path>,
     options: &ImportOptions,
 ) -> Result<Scene, ImportError> {
-    import(bytes, name, base_dir, options).map_err(|fault| fault.in_file(name))
-}
-
-fn import(bytes: &[u8], name: &str, folder: Option<&Path>, options: &ImportOptions) -> Fallible<Scene> {
-    let mut notices = Notices::default();
-    let parts = container::split(bytes, &mut notices)?;
-    let document = document::parse(parts.json, &mut notices)?;
-    extensions::report(&document, &mut notices)?;
-    let root = &document.root;
-    let buffers = buffers::read(root, parts.binary, folder, &options.limits, &mut notices)?;
-    let data = accessor::Data::new(root, &buffers, &options.limits)?;
-    options.cancel.go_on()?;
-    let images = images::read(root, &data, folder, options, &mut notices)?;
-    let mut textures = materials::textures(root, images.len(), &mut notices)?;
-    let mut materials = materials::read(root, textures.len(), &mut notices)?;
-    materials::drop_unusable(&mut textures, &mut materials);
-    let geometry = geometry::read(root, &data, materials, options, &mut notices)?;
-    let hierarchy = nodes::read(root, geometry.meshes.len(), &options.limits, &mut notices)?;
-    let mut scene = Scene {
-        name: name.to_owned(),
-        nodes: hierarchy.nodes,
-        meshes: geometry.meshes,
-        materials: geometry.materials,
-        textures,
-        images,
-        ..Scene::default()
-    };
-    let meshes_shown = scene.nodes.iter().filter_map(|n| n.mesh).any(|m| scene.meshes[m].triangle_count() > 0);
-    if !meshes_shown {
-        notices.ignored("the file shows no triangles: the scene is empty".to_owned());
-    }
-    scene.notices = notices.into_vec();
-    options.cancel.go_on()?;
-    let mut scene = scene.finish().map_err(Fault::Scene)?;
-    // After finishing, so that cameras are in the re-based space.
-    scene.cameras = nodes::cameras(root, &hierarchy.cameras, &scene);
-    Ok(scene)
+    gltf::read(bytes, name, base_dir, options).map_err(|fault| fault.in_file(name))
 }

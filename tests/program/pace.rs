@@ -45,8 +45,11 @@ fn percentile(mut values: Vec<f64>, p: f64) -> f64 {
     values[((values.len() - 1) as f64 * p).round() as usize]
 }
 
-/// Looks, their settings, and what is dragged in them: a slider, the number of those with that name before it.
-const LOOKS: [(&str, &str, &[(&str, usize)]); 3] = [
+/// A slider that is dragged: its name, and the number of those with that name before it.
+type Slider = (&'static str, usize);
+
+/// Looks, their settings, and what is dragged in them.
+const LOOKS: [(&str, &str, &[Slider]); 3] = [
     ("default", "", &[("Gain", 0)]),
     ("k-buffer", "capture.kind=bucketed_k_buffer", &[("K", 0), ("Gain", 0)]),
     (
@@ -83,7 +86,7 @@ fn session_of(file: &str, scene: &Scene, pairs: &str) -> String {
 }
 
 /// Turns and drags what there is to drag, each for as long, and prints how long the frames took that showed it.
-fn measure(file: &str, sliders: &[(&'static str, usize)]) {
+fn measure(file: &str, sliders: &[Slider]) {
     let seconds = if full() { 20 } else { 1 };
     // Where things are is found in another window of the same size: saying so takes time.
     let desk = Desk::open(&[file]);

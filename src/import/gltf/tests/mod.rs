@@ -5,12 +5,11 @@ mod geometry;
 mod materials;
 mod mutation;
 mod nodes;
-mod shared;
 
 use base64::Engine;
 use serde_json::{Value, json};
 
-use super::{ImportError, load_bytes};
+use crate::import::{ImportError, load_bytes};
 use crate::scene::{NoticeKind, Scene};
 
 /// A GLB of a JSON chunk and a binary chunk.
