@@ -297,7 +297,29 @@ fn sign(ui: &mut Ui, enabled: bool, text: &str, label: &str) -> bool {
 
 /// Paints a curve through places on the screen.
 fn line(ui: &Ui, points: Vec<egui::Pos2>, width: f32, color: Color32) {
-    ui.painter().add(egui::Shape::line(points, egui::Stroke::new(width, color)));
+    ui.painter().add(egui::Shape::line(without_straight(&points), egui::Stroke::new(width, color)));
+}
+
+/// Farthest that a drawn curve may be from the sampled one, points of the screen.
+const STRAIGHT: f32 = 0.08;
+
+/// A curve without the points between which it is straight. On a software rasterizer the curves of an editor would otherwise
+/// take as long as the picture.
+fn without_straight(points: &[egui::Pos2]) -> Vec<egui::Pos2> {
+    let Some(&first) = points.first() else {
+        return Vec::new();
+    };
+    let (mut kept, mut begin) = (vec![first], 0);
+    for end in 2..points.len() {
+        let (from, way) = (points[begin], points[end] - points[begin]);
+        let off = |p: &egui::Pos2| (way.x * (p.y - from.y) - way.y * (p.x - from.x)).abs();
+        if points[begin + 1..end].iter().any(|p| off(p) > STRAIGHT * way.length()) {
+            begin = end - 1;
+            kept.push(points[begin]);
+        }
+    }
+    kept.extend(points.iter().skip(1).last());
+    kept
 }
 
 /// Layers over |κ| of all depths, and of those that are nearer to one curve than to any other.

@@ -513,3 +513,21 @@ proptest! {
         prop_assert_eq!(now(&window), last);
     }
 }
+
+#[test]
+fn curves_are_drawn_without_their_straight_points() {
+    let on = |f: &dyn Fn(f32) -> f32| (0..=300).map(|i| pos2(i as f32, f(i as f32))).collect::<Vec<_>>();
+    let straight = super::without_straight(&on(&|x| 0.5 * x));
+    assert_eq!(straight, [pos2(0.0, 0.0), pos2(300.0, 150.0)]);
+    let bent = on(&|x| 40.0 * (x / 50.0).sin());
+    let drawn = super::without_straight(&bent);
+    assert!(drawn.len() < bent.len() / 3, "{}", drawn.len());
+    for p in &bent {
+        let i = drawn.iter().position(|d| d.x >= p.x).unwrap().max(1);
+        let (a, b) = (drawn[i - 1], drawn[i]);
+        let at = a.y + (b.y - a.y) * (p.x - a.x) / (b.x - a.x);
+        assert!((at - p.y).abs() < 0.15, "{p:?} {at}");
+    }
+    assert_eq!(super::without_straight(&bent[..1]), bent[..1]);
+    assert!(super::without_straight(&[]).is_empty());
+}
