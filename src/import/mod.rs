@@ -12,6 +12,7 @@
 
 pub mod cases;
 mod error;
+pub mod features;
 mod gltf;
 mod notices;
 mod phase;

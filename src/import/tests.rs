@@ -55,7 +55,7 @@ const TRIANGLES: &[(&str, u64)] = &[
     ("flow/StreamSurfaceA.glb", 29_782),
 ];
 
-fn models() -> Option<PathBuf> {
+pub(super) fn models() -> Option<PathBuf> {
     let folder = std::env::var_os("PELLUCID_MODELS")
         .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/models"), PathBuf::from);
     if folder.is_dir() {

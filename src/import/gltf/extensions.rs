@@ -4,6 +4,7 @@
 use serde_json::Value;
 
 use super::document::Document;
+use crate::import::features::{Feature, Treatment};
 use super::{Fallible, Fault, Notices};
 
 /// What happens to a file that uses an extension.
@@ -64,6 +65,42 @@ pub(super) const KNOWN: &[(&str, Support)] = &[
 
 fn known(name: &str) -> Option<&'static Support> {
     KNOWN.iter().find(|(known, _)| *known == name).map(|(_, support)| support)
+}
+
+/// What of glTF's core is read, then what of each extension.
+pub(in crate::import) fn features() -> Vec<Feature> {
+    use Treatment::{Approximated, Ignored, Read, Refused};
+    let row = |feature, treatment, note| Feature { format: "glTF 2.0", feature, treatment, note };
+    let mut rows = vec![
+        row("`.glb` and `.gltf`", Read, "told apart by content"),
+        row("buffers", Read, "in the GLB, in data URIs, in files in the model's folder or below"),
+        row("triangles, strips, fans", Read, "indexed or not"),
+        row("points and lines", Ignored, "only surfaces are shown"),
+        row("interleaved and sparse accessors", Read, ""),
+        row("normals", Read, "computed where missing, with a crease angle"),
+        row("tangents", Read, "made by MikkTSpace where a normal map needs them"),
+        row("texture coordinates 0 and 1", Read, "higher sets are ignored"),
+        row("vertex colours", Read, "the first set"),
+        row("morph targets", Ignored, "the undeformed mesh is shown"),
+        row("skins", Ignored, "the bind pose is shown"),
+        row("animations", Ignored, "the model is shown as it stands without them"),
+        row("metallic-roughness materials", Read, "with alpha modes, emission, occlusion and normal maps"),
+        row("samplers", Read, "filters and wrap modes"),
+        row("PNG and JPEG", Read, "8 bits a channel; 16 are reduced, colour profiles not applied"),
+        row("nodes", Read, "every node with a mesh is a part"),
+        row("scenes", Read, "the default one, or the first"),
+        row("cameras", Read, "the near and far planes are not used"),
+        row("references out of the model's folder", Refused, "and schemes, absolute paths, links, devices"),
+        row("other extensions that are required", Refused, "but for ones about materials, lights and animation"),
+        row("other extensions that are used", Ignored, ""),
+    ];
+    rows.extend(KNOWN.iter().map(|&(name, support)| match support {
+        Full(note) => row(name, Read, note),
+        Approximate(note) => row(name, Approximated, note),
+        Without(note) => row(name, Ignored, note),
+        Unreadable(note) => row(name, Refused, note),
+    }));
+    rows
 }
 
 /// Whether the content of the extension is read. Of textures' images of kinds that are not, the index is.

@@ -82,11 +82,6 @@ pub(super) fn is_placeholder(buffer: &gltf_json::Buffer) -> bool {
     NAMES.into_iter().filter_map(object).any(|o| o.get("fallback").and_then(|f| f.as_bool()) == Some(true))
 }
 
-/// Whether a buffer view is stored compressed.
-pub(super) fn is_compressed(view: &gltf_json::buffer::View) -> bool {
-    object(view).is_some()
-}
-
 fn object(view: &gltf_json::buffer::View) -> Option<(&'static str, &serde_json::Value)> {
     let others = &view.extensions.as_ref()?.others;
     NAMES.into_iter().find_map(|name| Some((name, others.get(name)?)))

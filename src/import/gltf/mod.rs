@@ -29,6 +29,7 @@ mod sources;
 mod steps;
 mod tangents;
 mod uses;
+pub(super) mod validator;
 mod variants;
 
 #[cfg(test)]
@@ -38,6 +39,7 @@ use std::path::Path;
 
 use super::{Fallible, Fault, ImportOptions, Limits, Notices, Phase, uri};
 use budget::Budget;
+pub(super) use extensions::features;
 use crate::scene::Scene;
 
 /// Reads a glTF file; files that it refers to are looked up in `folder` and refused without one.

@@ -7,7 +7,10 @@ mod instances;
 mod materials;
 mod mutation;
 mod nodes;
+mod pairs;
+mod structured;
 mod textures;
+mod validator;
 
 use base64::Engine;
 use serde_json::{Value, json};
