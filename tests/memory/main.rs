@@ -196,15 +196,21 @@ fn hostile_files_stay_within_a_few_times_their_limits() {
         ("a Draco stream over the limit", draco(300, 90_601)),
         ("an accessor of 2^40 elements", empty(json!({"accessors": zeros(1 << 40)}))),
         ("an accessor of zeros at the limit", empty(json!({"accessors": zeros(1 << 16)}))),
-        ("one accessor in 10 000 primitives", empty(json!({"accessors": zeros(60_000), "meshes": [{"primitives": shared}]}))),
+        (
+            "one accessor in 10 000 primitives",
+            empty(json!({"accessors": zeros(60_000), "meshes": [{"primitives": shared}]})),
+        ),
         ("a picture of 12 000 pixels a side", shown(&picture(12_000), "image/png")),
         ("a picture at the limit", shown(&picture(1024), "image/png")),
         ("a KTX2 file of 2^31 pixels a side", shown(&ktx2(1 << 31, 1 << 60), "image/ktx2")),
         ("a KTX2 file that unpacks to 2^60 bytes", shown(&ktx2(64, 1 << 60), "image/ktx2")),
-        ("a million instances", empty(json!({
-            "accessors": zeros(1_000_000), "nodes": [{"mesh": 0, "extensions": instances}],
-            "extensionsUsed": ["EXT_mesh_gpu_instancing"],
-        }))),
+        (
+            "a million instances",
+            empty(json!({
+                "accessors": zeros(1_000_000), "nodes": [{"mesh": 0, "extensions": instances}],
+                "extensionsUsed": ["EXT_mesh_gpu_instancing"],
+            })),
+        ),
         ("nodes 5000 deep", empty(json!({"accessors": zeros(3), "nodes": chain}))),
         ("lists 100 000 deep", format!("{{\"asset\":{{\"version\":\"2.0\"}},\"nodes\":{nested}}}").into_bytes()),
     ];

@@ -85,6 +85,15 @@ impl<'a> Data<'a> {
         }
         let mut data = Data { views, accessors: Vec::new() };
         let elsewhere = draco::accessors(root);
+        // Each has a table of its own, and many may share their data.
+        let mut replaced = 0_u64;
+        for (i, sparse) in root.accessors.iter().enumerate().filter_map(|(i, a)| Some((i, a.sparse.as_ref()?))) {
+            replaced = replaced.saturating_add(sparse.count.0);
+            if replaced > limits.vertices {
+                let place = format!("accessors[{i}].sparse.count");
+                return Err(Fault::limit(place, "sparse elements of all accessors so far", replaced, limits.vertices));
+            }
+        }
         for (i, accessor) in root.accessors.iter().enumerate() {
             let elsewhere = elsewhere.get(i).copied().unwrap_or_default();
             let accessor = data.check(accessor, format!("accessors[{i}]"), elsewhere, limits, notices)?;

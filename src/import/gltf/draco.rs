@@ -20,7 +20,8 @@ use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use draco_core::{
-    AttributeValueIndex, DataType, DecodeLimits, DecoderBuffer, ErrorKind, Mesh, MeshDecoder, PointAttribute, PointIndex,
+    AttributeValueIndex, DataType, DecodeLimits, DecoderBuffer, ErrorKind, Mesh, MeshDecoder, PointAttribute,
+    PointIndex,
 };
 use gltf_json::accessor::{ComponentType, Type};
 use gltf_json::mesh::{Mode, Semantic};
@@ -31,7 +32,7 @@ use serde::Deserialize;
 
 use super::accessor::Data;
 use super::budget::Budget;
-use super::steps::Steps;
+use super::steps::{Steps, settle};
 use super::{Fallible, Fault, ImportOptions, Limits, Notices};
 use crate::import::Phase;
 use crate::scene::NoticeKind;
@@ -133,8 +134,7 @@ pub(super) fn decode(
         })
         .collect();
     let mut all = Vec::with_capacity(decoded.len());
-    for result in decoded {
-        let (decoded, told) = result?;
+    for (decoded, told) in settle(decoded)? {
         notices.append(told);
         all.push(decoded);
     }
@@ -214,7 +214,8 @@ impl<'a> Stream<'a> {
         let mesh = match decoded {
             Ok(Ok(mesh)) => mesh,
             Ok(Err(e)) if e.kind() == ErrorKind::LimitExceeded => {
-                let cause = format!("the stream holds far more than its accessors say, or than is allowed: {}", e.message());
+                let cause =
+                    format!("the stream holds far more than its accessors say, or than is allowed: {}", e.message());
                 return Err(Fault::Limit { place: self.place.clone(), cause });
             }
             Ok(Err(e)) => return Err(bad(format!("the stream cannot be decoded: {}", e.message()))),
@@ -225,7 +226,8 @@ impl<'a> Stream<'a> {
             return Err(Fault::limit(&self.place, "vertices of the stream", count as u64, points));
         }
         let different = count as u64 != self.vertices || 3 * mesh.num_faces() as u64 != self.corners;
-        let what = "Draco streams have other numbers of vertices or indices than their accessors say; the streams count";
+        let what =
+            "Draco streams have other numbers of vertices or indices than their accessors say; the streams count";
         notices.count(NoticeKind::Repaired, what, different.into(), &self.place);
         let mut indices = Vec::with_capacity(mesh.num_faces().saturating_mul(12));
         for corner in mesh.faces().iter().flatten() {

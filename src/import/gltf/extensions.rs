@@ -4,8 +4,8 @@
 use serde_json::Value;
 
 use super::document::Document;
-use crate::import::features::{Feature, Treatment};
 use super::{Fallible, Fault, Notices};
+use crate::import::features::{Feature, Treatment};
 
 /// What happens to a file that uses an extension.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::accessor::{Data, missing};
 use super::attributes::{self, Attributes};
-use super::steps::Steps;
+use super::steps::{Steps, settle};
 use super::{Fallible, Fault, ImportOptions, Notices, tangents};
 use crate::import::Phase;
 use crate::scene::{Material, Mesh, NoticeKind, Primitive, compute_normals, interpolated_normals, reweighted_normals};
@@ -71,8 +71,7 @@ pub(super) fn read<'a>(
         .collect();
     let names = root.meshes.iter().map(|m| m.name.clone().unwrap_or_default());
     let mut meshes: Vec<Mesh> = names.map(|name| Mesh { name, primitives: Vec::new() }).collect();
-    for result in read {
-        let (mesh, primitive, told) = result?;
+    for (mesh, primitive, told) in settle(read)? {
         notices.append(told);
         meshes[mesh].primitives.extend(primitive);
     }

@@ -10,8 +10,9 @@ use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader};
 use rayon::prelude::*;
 
 use super::accessor::Data;
+use super::budget::Budget;
 use super::sources::Sources;
-use super::steps::Steps;
+use super::steps::{Steps, settle};
 use super::{Fallible, Fault, ImportOptions, Limits, Notices, ktx2, uri};
 use crate::import::Phase;
 use crate::scene::{Image, NoticeKind};
@@ -38,16 +39,20 @@ pub(super) fn read(
     data: &Data,
     sources: &mut Sources,
     folder: Option<&Path>,
+    budget: &Budget,
     options: &ImportOptions,
     notices: &mut Notices,
 ) -> Fallible<Images> {
     let limits = &options.limits;
     let mut encoded: Vec<Encoded> = Vec::new();
-    let mut waiting: Vec<usize> = wanted(sources, &[]);
+    let wanted = sources.wanted();
+    let mut waiting: Vec<usize> = (0..wanted.len()).rev().filter(|&i| wanted[i]).collect();
     let mut looked_at = vec![false; root.images.len()];
     let mut pixels = 0_u64;
     while let Some(index) = waiting.pop() {
-        looked_at[index] = true;
+        if std::mem::replace(&mut looked_at[index], true) {
+            continue;
+        }
         let place = format!("images[{index}]");
         options.cancel.go_on()?;
         match open(root, data, sources, index, &place, folder, limits, notices) {
@@ -56,15 +61,16 @@ pub(super) fn read(
                 if pixels > limits.image_pixels {
                     return Err(Fault::limit(place, "pixels of images", pixels, limits.image_pixels));
                 }
+                if let Cow::Owned(bytes) = &bytes {
+                    budget.take(bytes.len() as u64, &place)?;
+                }
                 encoded.push(Encoded { index, place, bytes });
             }
             Err(fault @ (Fault::Limit { .. } | Fault::Cancelled)) => return Err(fault),
             Err(fault) => {
-                if !sources.give_up(index) {
-                    return Err(fault);
-                }
+                let Some(substitutes) = sources.give_up(index) else { return Err(fault) };
                 notices.approximated(format!("{place}: it cannot be read, so the file's substitute for it is shown"));
-                waiting = wanted(sources, &looked_at);
+                waiting.extend(substitutes);
             }
         }
     }
@@ -92,8 +98,7 @@ pub(super) fn read(
         })
         .collect();
     let mut images = Vec::with_capacity(decoded.len());
-    for (i, result) in decoded.into_iter().enumerate() {
-        let (image, lost) = result?;
+    for (i, (image, lost)) in settle(decoded)?.into_iter().enumerate() {
         let place = format!("images[{}]", order[i]);
         let what = "images of 16 bits a channel were reduced to 8";
         notices.count(NoticeKind::Approximated, what, lost.deep.into(), &place);
@@ -104,15 +109,11 @@ pub(super) fn read(
     Ok(Images { images, numbers })
 }
 
-/// The images that are wanted and were not looked at yet, the last first.
-fn wanted(sources: &Sources, looked_at: &[bool]) -> Vec<usize> {
-    let wanted = sources.wanted();
-    let new = |&i: &usize| wanted[i] && !looked_at.get(i).copied().unwrap_or_default();
-    (0..wanted.len()).rev().filter(new).collect()
-}
-
 /// An image's bytes, and its size in pixels, which is within the limits.
-#[expect(clippy::too_many_arguments, reason = "they are what the file and its reader know; a struct would name them once more")]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "they are what the file and its reader know; a struct would name them once more"
+)]
 fn open<'a>(
     root: &Root,
     data: &Data<'a>,
@@ -143,7 +144,8 @@ fn open<'a>(
         notices.count(NoticeKind::Repaired, what, 1, place);
     }
     let misplaced = kind.is_some_and(|kind| !sources.allow(index, kind));
-    let what = "images are of a kind that needs an extension which their texture does not name; they were read all the same";
+    let what =
+        "images are of a kind that needs an extension which their texture does not name; they were read all the same";
     notices.count(NoticeKind::Repaired, what, misplaced.into(), place);
     Ok((bytes, [width, height]))
 }
@@ -202,8 +204,8 @@ fn decode(bytes: &[u8], place: &str, limits: &Limits) -> Fallible<(Image, Lost)>
     let mut decoder = decoder(bytes, place, limits)?;
     // A profile that cannot be read is as good as none: it is not applied anyway.
     let profile = decoder.icc_profile().is_ok_and(|profile| profile.is_some());
-    let image = DynamicImage::from_decoder(decoder)
-        .map_err(|e| Fault::invalid(place, format!("cannot be decoded: {e}")))?;
+    let image =
+        DynamicImage::from_decoder(decoder).map_err(|e| Fault::invalid(place, format!("cannot be decoded: {e}")))?;
     let color = image.color();
     let deep = u16::from(color.bytes_per_pixel()) > u16::from(color.channel_count());
     let rgba = image.into_rgba8();

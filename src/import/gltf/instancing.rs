@@ -90,6 +90,11 @@ pub(super) fn read(
         }
     }
     notices.count(NoticeKind::Repaired, "instances whose place is not finite were dropped", broken, &place);
-    notices.count(NoticeKind::Repaired, "rotations of instances were not unit quaternions and were normalized", odd, &place);
+    notices.count(
+        NoticeKind::Repaired,
+        "rotations of instances were not unit quaternions and were normalized",
+        odd,
+        &place,
+    );
     Ok(Some(places))
 }

@@ -15,7 +15,12 @@ use crate::scene::{AlphaMode, Material, Mip, NoticeKind, Texture, TextureRef, Wr
 const UNUSABLE: usize = usize::MAX;
 
 /// All textures. One without an image has an image index of `usize::MAX`; [`read`] drops the references to it.
-pub(super) fn textures(root: &Root, sources: &Sources, images: &Images, notices: &mut Notices) -> Fallible<Vec<Texture>> {
+pub(super) fn textures(
+    root: &Root,
+    sources: &Sources,
+    images: &Images,
+    notices: &mut Notices,
+) -> Fallible<Vec<Texture>> {
     let mut textures = Vec::new();
     for (i, texture) in root.textures.iter().enumerate() {
         let place = format!("textures[{i}]");

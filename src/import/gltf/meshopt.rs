@@ -25,7 +25,7 @@ use serde::Deserialize;
 
 use super::accessor::slice;
 use super::budget::Budget;
-use super::steps::Steps;
+use super::steps::{Steps, settle};
 use super::{Fallible, Fault, ImportOptions, Notices};
 use crate::import::Phase;
 use crate::scene::NoticeKind;
@@ -109,8 +109,7 @@ pub(super) fn decode<B: AsRef<[u8]>>(
     let decoded: Vec<Fallible<(Vec<u8>, Notices)>> =
         streams.par_iter().map(|stream| steps.each(|| stream.decode())).collect();
     let mut views: Vec<Option<Vec<u8>>> = vec![None; root.buffer_views.len()];
-    for (stream, decoded) in streams.iter().zip(decoded) {
-        let (bytes, told) = decoded?;
+    for (stream, (bytes, told)) in streams.iter().zip(settle(decoded)?) {
         notices.append(told);
         views[stream.view] = Some(bytes);
     }
@@ -225,7 +224,8 @@ impl Stream<'_> {
         }
         let newer = self.filter == Filter::Color
             || (self.mode == Mode::Attributes && codec::decode_vertex_version(bytes).is_ok_and(|v| v > 0));
-        let what = "buffer views under EXT_meshopt_compression use what only KHR_meshopt_compression has, and were read";
+        let what =
+            "buffer views under EXT_meshopt_compression use what only KHR_meshopt_compression has, and were read";
         notices.count(NoticeKind::Repaired, what, (newer && !self.newer).into(), &self.place);
         Ok((out, notices))
     }

@@ -38,9 +38,9 @@ mod tests;
 use std::path::Path;
 
 use super::{Fallible, Fault, ImportOptions, Limits, Notices, Phase, uri};
+use crate::scene::Scene;
 use budget::Budget;
 pub(super) use extensions::features;
-use crate::scene::Scene;
 
 /// Reads a glTF file; files that it refers to are looked up in `folder` and refused without one.
 pub(super) fn read(bytes: &[u8], name: &str, folder: Option<&Path>, options: &ImportOptions) -> Fallible<Scene> {
@@ -59,7 +59,7 @@ pub(super) fn read(bytes: &[u8], name: &str, folder: Option<&Path>, options: &Im
     options.cancel.go_on()?;
     tell(Phase::Images);
     let mut sources = sources::find(&document.root)?;
-    let images = images::read(&document.root, &data, &mut sources, folder, options, &mut notices)?;
+    let images = images::read(&document.root, &data, &mut sources, folder, &budget, options, &mut notices)?;
     let mut textures = materials::textures(&document.root, &sources, &images, &mut notices)?;
     let mut materials = materials::read(&document.root, textures.len(), &mut notices)?;
     materials::drop_unusable(&mut textures, &mut materials);

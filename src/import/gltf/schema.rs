@@ -81,7 +81,8 @@ pub(super) fn check(top: &Map<String, Value>, notices: &mut Notices) -> Fallible
     let whole = |value: Option<&Value>| value.and_then(Value::as_u64);
     let empty = |what: &str, member: &str, notices: &mut Notices| {
         for (i, element) in elements(top, what) {
-            let said = "accessors, buffers or buffer views are empty, which glTF does not allow; they were read as such";
+            let said =
+                "accessors, buffers or buffer views are empty, which glTF does not allow; they were read as such";
             let is_empty = whole(element.get(member)) == Some(0);
             notices.count(Repaired, said, is_empty.into(), &format!("{what}[{i}].{member}"));
         }
@@ -96,7 +97,12 @@ pub(super) fn check(top: &Map<String, Value>, notices: &mut Notices) -> Fallible
         let said = "strides are not a multiple of 4 from 4 to 252, as glTF asks; they were used as they are";
         notices.count(Repaired, said, odd.into(), &place);
         let long = whole(view.get("byteLength")).is_some_and(|length| stride > length);
-        notices.count(Repaired, "strides are longer than their buffer view; they were used as they are", long.into(), &place);
+        notices.count(
+            Repaired,
+            "strides are longer than their buffer view; they were used as they are",
+            long.into(),
+            &place,
+        );
         let wrong = whole(view.get("target")) == Some(gltf_json::buffer::ELEMENT_ARRAY_BUFFER.into());
         let said = "buffer views of indices have a stride, which glTF does not allow; it was used as it is";
         notices.count(Repaired, said, wrong.into(), &place);
@@ -112,7 +118,8 @@ pub(super) fn check(top: &Map<String, Value>, notices: &mut Notices) -> Fallible
         notices.count(Repaired, said, untyped.into(), &format!("images[{i}]"));
     }
     for (i, scene) in elements(top, "scenes") {
-        let mut roots: Vec<u64> = scene.get("nodes").and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_u64).collect();
+        let mut roots: Vec<u64> =
+            scene.get("nodes").and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_u64).collect();
         let named = roots.len();
         roots.sort_unstable();
         roots.dedup();

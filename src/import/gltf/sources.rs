@@ -23,6 +23,8 @@ const OFFERS: [(&str, Option<&str>); 4] = [
 pub(super) struct Sources {
     /// Per texture: the images that can be shown, the best first.
     pub(super) of_texture: Vec<Vec<usize>>,
+    /// Per image: the textures that can show it.
+    by_image: Vec<Vec<usize>>,
     /// Per image: whether a texture names it, in whatever way.
     named: Vec<bool>,
     /// Per image: the kinds that textures which name it take it for; an empty one is PNG or JPEG.
@@ -32,7 +34,12 @@ pub(super) struct Sources {
 /// Finds the images of all textures.
 pub(super) fn find(root: &Root) -> Fallible<Sources> {
     let images = root.images.len();
-    let mut sources = Sources { of_texture: Vec::new(), named: vec![false; images], kinds: vec![Vec::new(); images] };
+    let mut sources = Sources {
+        of_texture: Vec::new(),
+        by_image: vec![Vec::new(); images],
+        named: vec![false; images],
+        kinds: vec![Vec::new(); images],
+    };
     for (t, texture) in root.textures.iter().enumerate() {
         let mut offered = Vec::new();
         let mut name = |image: u64, place: String, kind: Option<&'static str>| {
@@ -59,6 +66,9 @@ pub(super) fn find(root: &Root) -> Fallible<Sources> {
         if core != u32::MAX as usize {
             name(core as u64, format!("textures[{t}].source"), Some(""))?;
         }
+        for &image in &offered {
+            sources.by_image[image].push(t);
+        }
         sources.of_texture.push(offered);
     }
     Ok(sources)
@@ -81,17 +91,22 @@ impl Sources {
         self.kinds.get(image).is_none_or(|kinds| kinds.iter().all(|&k| if k.is_empty() { core } else { k == kind }))
     }
 
-    /// Gives up an image that cannot be read, where each texture that shows it has another one; says whether they all do.
-    pub(super) fn give_up(&mut self, image: usize) -> bool {
-        let shown = |offered: &Vec<usize>| offered.first() == Some(&image);
-        let replaceable = self.of_texture.iter().filter(|o| shown(o)).all(|o| o.iter().any(|&other| other != image));
-        if replaceable && self.of_texture.iter().any(shown) {
-            for offered in &mut self.of_texture {
-                offered.retain(|&other| other != image);
+    /// Gives up an image that cannot be read, if each texture that shows it has another one; gives those.
+    pub(super) fn give_up(&mut self, image: usize) -> Option<Vec<usize>> {
+        let textures = self.by_image.get(image)?.clone();
+        let mut substitutes = Vec::new();
+        for &texture in &textures {
+            let offered = &self.of_texture[texture];
+            if offered.first() == Some(&image) {
+                substitutes.push(*offered.iter().find(|&&other| other != image)?);
             }
-            return true;
         }
-        false
+        if substitutes.is_empty() {
+            return None;
+        }
+        for texture in textures {
+            self.of_texture[texture].retain(|&other| other != image);
+        }
+        Some(substitutes)
     }
 }
-

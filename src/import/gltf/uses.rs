@@ -56,7 +56,12 @@ pub(super) fn report(root: &Root, notices: &mut Notices) {
     for (i, (accessor, used)) in root.accessors.iter().zip(&accessors).enumerate() {
         let place = format!("accessors[{i}]");
         let both = used.vertices && used.indices;
-        notices.count(Repaired, "accessors are used for vertices and for indices; they were read as both", both.into(), &place);
+        notices.count(
+            Repaired,
+            "accessors are used for vertices and for indices; they were read as both",
+            both.into(),
+            &place,
+        );
         let Some(index) = accessor.buffer_view else { continue };
         let Some(view) = root.buffer_views.get(index.value()) else { continue };
         let stride = view.byte_stride.map(|s| s.0).filter(|&s| s != 0);

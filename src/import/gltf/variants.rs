@@ -4,6 +4,8 @@
 //! ([`ImportOptions::variant`]) every primitive has its own material, which is the file's default; with one, primitives
 //! that say nothing about it keep theirs, as the extension asks.
 
+use std::collections::HashSet;
+
 use gltf_json::Root;
 use serde_json::Value;
 
@@ -52,7 +54,7 @@ pub(super) fn choose(
                 continue;
             };
             let place = format!("meshes[{m}].primitives[{p}].extensions.{NAME}");
-            let mut seen = vec![false; names.len()];
+            let mut seen = HashSet::new();
             let mut twice = 0;
             let mut material = None;
             for (k, mapping) in mapped.mappings.iter().enumerate() {
@@ -61,11 +63,11 @@ pub(super) fn choose(
                     return Err(missing(place, "material", mapping.material as usize, materials));
                 }
                 for &variant in &mapping.variants {
-                    let Some(seen) = seen.get_mut(variant as usize) else {
+                    if variant as usize >= names.len() {
                         let place = format!("{place}.mappings[{k}].variants");
                         return Err(missing(place, "variant", variant as usize, names.len()));
-                    };
-                    if std::mem::replace(seen, true) {
+                    }
+                    if !seen.insert(variant) {
                         twice += 1;
                     } else if Some(variant as usize) == chosen {
                         material = Some(mapping.material);

@@ -1,7 +1,8 @@
 //! Compressed geometry: streams written here and read back, and the shared models that are compressed against those that are not.
 
 use draco_core::{
-    DataType, EncoderBuffer, EncoderOptions, FaceIndex, GeometryAttributeType, Mesh, MeshEncoder, PointAttribute, PointIndex,
+    DataType, EncoderBuffer, EncoderOptions, FaceIndex, GeometryAttributeType, Mesh, MeshEncoder, PointAttribute,
+    PointIndex,
 };
 use meshoptimizer_rs::Workspace;
 use meshoptimizer_rs::codec::{self, ExpMode, IndexEncoding, VertexEncoding};
@@ -28,7 +29,13 @@ pub(super) struct Packed {
 }
 
 /// Appends a view that is stored compressed, on a placeholder buffer, with an accessor on it.
-pub(super) fn packed_accessor(file: &mut Builder, packed: &Packed, component: u32, shape: &str, extension: &str) -> usize {
+pub(super) fn packed_accessor(
+    file: &mut Builder,
+    packed: &Packed,
+    component: u32,
+    shape: &str,
+    extension: &str,
+) -> usize {
     let Packed { bytes, count, stride, mode, filter } = packed;
     let at = file.binary.len().next_multiple_of(4);
     file.binary.resize(at, 0);
@@ -52,8 +59,7 @@ pub(super) fn packed_accessor(file: &mut Builder, packed: &Packed, component: u3
     file.json["bufferViews"].as_array_mut().unwrap().push(view);
     let view = file.json["bufferViews"].as_array().unwrap().len() - 1;
     let normalized = *filter != "NONE" && component != 5126;
-    let accessor =
-        json!({"bufferView": view, "componentType": component, "type": shape, "count": count, "normalized": normalized});
+    let accessor = json!({"bufferView": view, "componentType": component, "type": shape, "count": count, "normalized": normalized});
     let accessors = file.json["accessors"].as_array_mut().unwrap();
     accessors.push(accessor);
     accessors.len() - 1
@@ -73,8 +79,8 @@ pub(super) fn packed_hill(n: u32, extension: &str, version: u8) -> Builder {
     file.json["extensionsRequired"] = json!([extension, "KHR_mesh_quantization"]);
     let packed = attributes(&floats(positions.as_flattened()), positions.len(), 12, version, "NONE");
     let position = packed_accessor(&mut file, &packed, 5126, "VEC3", extension);
-    let bytes =
-        codec::encode_index_buffer(triangles.as_flattened(), IndexEncoding::DEFAULT, &mut Workspace::default()).unwrap();
+    let bytes = codec::encode_index_buffer(triangles.as_flattened(), IndexEncoding::DEFAULT, &mut Workspace::default())
+        .unwrap();
     let packed = Packed { bytes, count: 3 * triangles.len(), stride: 4, mode: "TRIANGLES", filter: "NONE" };
     let indices = packed_accessor(&mut file, &packed, 5125, "SCALAR", extension);
     file.json["meshes"][0]["primitives"][0] = json!({"attributes": {"POSITION": position}, "indices": indices});
@@ -116,7 +122,8 @@ fn filters_and_index_sequences_are_undone() {
     let normals: Vec<f32> = (0..count).flat_map(normal).collect();
     let oct = codec::encode_filter_oct(count, 8, 16, &normals, workspace).unwrap();
     let normal_words = packed_accessor(&mut file, &attributes(&oct, count, 8, 0, "OCTAHEDRAL"), 5122, "VEC3", name);
-    let exp = codec::encode_filter_exp(count, 12, 23, positions.as_flattened(), ExpMode::SharedVector, workspace).unwrap();
+    let exp =
+        codec::encode_filter_exp(count, 12, 23, positions.as_flattened(), ExpMode::SharedVector, workspace).unwrap();
     let position = packed_accessor(&mut file, &attributes(&exp, count, 12, 0, "EXPONENTIAL"), 5126, "VEC3", name);
     let colors: Vec<f32> = (0..count).flat_map(|i| [i as f32 / count as f32, 0.25, 0.75, 1.0]).collect();
     let color = codec::encode_filter_color(count, 4, 8, &colors, workspace).unwrap();
@@ -139,10 +146,12 @@ fn filters_and_index_sequences_are_undone() {
         assert!((0..4).all(|k| (p.colors[i][k] - colors[4 * i + k]).abs() < 0.02), "colour {i}: {:?}", p.colors[i]);
     }
     // Quaternions are for instances.
-    let turns: Vec<f32> = (0..5).flat_map(|i| {
-        let half = i as f32 * 0.3;
-        [0.0, half.sin(), 0.0, half.cos()]
-    }).collect();
+    let turns: Vec<f32> = (0..5)
+        .flat_map(|i| {
+            let half = i as f32 * 0.3;
+            [0.0, half.sin(), 0.0, half.cos()]
+        })
+        .collect();
     let quat = codec::encode_filter_quat(5, 8, 16, &turns, workspace).unwrap();
     let turn = packed_accessor(&mut file, &attributes(&quat, 5, 8, 0, "QUATERNION"), 5122, "VEC4", name);
     file.json["nodes"][0]["extensions"] = json!({"EXT_mesh_gpu_instancing": {"attributes": {"ROTATION": turn}}});

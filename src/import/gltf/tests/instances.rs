@@ -32,7 +32,8 @@ fn instances_are_parts_that_share_a_mesh() {
     assert_eq!(names, ["bolt #1", "bolt #2", "bolt #3"]);
     assert!(scene.parts.iter().all(|p| p.mesh == 0));
     let corner = |i: usize| scene.parts[i].world_from_part.transform_point3(DVec3::new(1.0, 0.0, 0.0)) + scene.origin;
-    for (i, expected) in [DVec3::new(2.0, 0.0, 0.0), DVec3::new(6.0, 2.0, 0.0), DVec3::new(2.0, 7.0, 0.0)].iter().enumerate()
+    for (i, expected) in
+        [DVec3::new(2.0, 0.0, 0.0), DVec3::new(6.0, 2.0, 0.0), DVec3::new(2.0, 7.0, 0.0)].iter().enumerate()
     {
         assert!(corner(i).distance(*expected) < 1e-6, "{}", corner(i));
     }
@@ -71,7 +72,10 @@ pub(super) fn variants() -> Builder {
         .set("/materials", json!([material("grey"), material("red"), material("blue")]))
         .set("/meshes/0/primitives/0/material", json!(0))
         .set("/extensionsUsed", json!(["KHR_materials_variants"]))
-        .set("/extensions", json!({"KHR_materials_variants": {"variants": [{"name": "rubber"}, {"name": "steel"}, {"name": "bare"}]}}))
+        .set(
+            "/extensions",
+            json!({"KHR_materials_variants": {"variants": [{"name": "rubber"}, {"name": "steel"}, {"name": "bare"}]}}),
+        )
         .set(
             "/meshes/0/primitives/0/extensions",
             json!({"KHR_materials_variants": {"mappings": [
@@ -124,7 +128,8 @@ fn hidden_nodes_are_left_out_with_all_below() {
     let scene = file.scene();
     assert_eq!((scene.parts.len(), scene.parts[0].name.as_str(), scene.nodes.len()), (1, "lid", 4));
     assert_tells(&scene, NoticeKind::Ignored, "2 nodes are hidden by the file");
-    file.set("/nodes/2/extensions/KHR_node_visibility/visible", json!(3)).refused("nodes[2].extensions.KHR_node_visibility");
+    file.set("/nodes/2/extensions/KHR_node_visibility/visible", json!(3))
+        .refused("nodes[2].extensions.KHR_node_visibility");
     let mut instances = instanced();
     instances.json["nodes"][0]["extensions"]["KHR_node_visibility"] = json!({"visible": false});
     assert!(instances.scene().parts.is_empty());

@@ -8,6 +8,7 @@ mod materials;
 mod mutation;
 mod nodes;
 mod pairs;
+mod progress;
 mod structured;
 mod textures;
 mod validator;

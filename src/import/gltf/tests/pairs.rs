@@ -3,8 +3,8 @@
 use glam::DVec3;
 
 use super::*;
-use crate::import::load;
 use crate::import::tests::models;
+use crate::import::{ImportOptions, load_with};
 
 /// A grid of cells in which points are looked up.
 struct Points {
@@ -63,12 +63,16 @@ fn area(scene: &Scene, part: usize) -> f64 {
         .sum()
 }
 
-/// Compares part by part; the largest distance of a vertex and the largest angle of a normal, relative to `near` and in degrees.
+/// Compares part by part: no vertex may be farther from the other model's than a part's extent over `steps`, nor its normal turned
+/// by more than `degrees`, but for one in a thousand.
 fn compare(plain: &str, packed: &str, steps: f64, degrees: f64) {
     let Some(folder) = models() else { return };
-    let (plain, packed) = (load(&folder.join(plain)).unwrap(), load(&folder.join(packed)).unwrap());
+    // Whether normals are averages of their facets is told by their last bits, which quantization takes.
+    let options = ImportOptions { reweight_normals: false, ..ImportOptions::default() };
+    let load = |path: &str| load_with(&folder.join(path), &options).unwrap_or_else(|e| panic!("{e}"));
+    let (plain, packed) = (load(plain), load(packed));
     assert_eq!(plain.parts.len(), packed.parts.len());
-    let (mut farthest, mut widest, mut vertices) = (0.0_f64, 1.0_f64, 0);
+    let (mut farthest, mut turned, mut vertices) = (0.0_f64, 0, 0);
     for (i, (a, b)) in plain.parts.iter().zip(&packed.parts).enumerate() {
         let materials = |s: &Scene, mesh: usize| -> Vec<([f32; 4], f32, f32)> {
             let of = |m: usize| (s.materials[m].base_color, s.materials[m].metallic, s.materials[m].roughness);
@@ -85,17 +89,17 @@ fn compare(plain: &str, packed: &str, steps: f64, degrees: f64) {
             for point in from.all() {
                 let (distance, cosine) = to.nearest(*point, near);
                 farthest = farthest.max(distance / near);
-                widest = widest.min(cosine);
+                turned += usize::from(cosine < degrees.to_radians().cos());
                 vertices += 1;
             }
         }
         let (ours, theirs) = (area(&plain, i), area(&packed, i));
         assert!((ours - theirs).abs() < 4e-3 * ours, "part {i}: area {ours} and {theirs}");
     }
-    let angle = widest.clamp(-1.0, 1.0).acos().to_degrees();
-    println!("{vertices} vertices: at most {farthest:.3} steps and {angle:.2}° apart");
+    println!("{vertices} vertices: at most {farthest:.3} steps apart, {turned} turned by more than {degrees}°");
     println!("{} and {} triangles", plain.triangle_count(), packed.triangle_count());
-    assert!(farthest <= 1.0 && angle <= degrees, "{farthest} steps, {angle}°");
+    // A sliver that rounding takes away takes its normals along.
+    assert!(farthest <= 1.0 && turned * 1000 < vertices, "{farthest} steps, {turned} of {vertices} normals");
 }
 
 #[test]

@@ -110,13 +110,60 @@ fn pointers(value: &Value, path: &str, all: &mut Vec<String>, numbers: &mut Vec<
 
 fn strange(random: &mut Random) -> Value {
     let values = [
-        json!(-1), json!(0), json!(1), json!(2), json!(3), json!(7), json!(255), json!(256), json!(65535), json!(65536),
-        json!(1_u64 << 24), json!(1_u64 << 31), json!(u32::MAX), json!(u32::MAX - 1), json!(1_u64 << 32), json!(1_u64 << 53),
-        json!(u64::MAX), json!(i64::MIN), json!(1e308), json!(-1e308), json!(5e-324), json!(0.5), json!(1.0), json!(-0.0),
-        json!("NaN"), json!("Infinity"), json!("0"), json!(null), json!(true), json!([]), json!({}), json!([[[]]]),
-        json!(5120), json!(5121), json!(5122), json!(5123), json!(5125), json!(5126), json!("SCALAR"), json!("VEC2"),
-        json!("VEC3"), json!("VEC4"), json!("MAT2"), json!("MAT3"), json!("MAT4"), json!("TRIANGLES"), json!("ATTRIBUTES"),
-        json!("INDICES"), json!("QUATERNION"), json!("EXPONENTIAL"), json!("COLOR"), json!("OCTAHEDRAL"), json!(34962), json!(34963),
+        json!(-1),
+        json!(0),
+        json!(1),
+        json!(2),
+        json!(3),
+        json!(7),
+        json!(255),
+        json!(256),
+        json!(65535),
+        json!(65536),
+        json!(1_u64 << 24),
+        json!(1_u64 << 31),
+        json!(u32::MAX),
+        json!(u32::MAX - 1),
+        json!(1_u64 << 32),
+        json!(1_u64 << 53),
+        json!(u64::MAX),
+        json!(i64::MIN),
+        json!(1e308),
+        json!(-1e308),
+        json!(5e-324),
+        json!(0.5),
+        json!(1.0),
+        json!(-0.0),
+        json!("NaN"),
+        json!("Infinity"),
+        json!("0"),
+        json!(null),
+        json!(true),
+        json!([]),
+        json!({}),
+        json!([[[]]]),
+        json!(5120),
+        json!(5121),
+        json!(5122),
+        json!(5123),
+        json!(5125),
+        json!(5126),
+        json!("SCALAR"),
+        json!("VEC2"),
+        json!("VEC3"),
+        json!("VEC4"),
+        json!("MAT2"),
+        json!("MAT3"),
+        json!("MAT4"),
+        json!("TRIANGLES"),
+        json!("ATTRIBUTES"),
+        json!("INDICES"),
+        json!("QUATERNION"),
+        json!("EXPONENTIAL"),
+        json!("COLOR"),
+        json!("OCTAHEDRAL"),
+        json!(34962),
+        json!(34963),
     ];
     values[random.below(values.len())].clone()
 }
@@ -190,9 +237,11 @@ fn change(json: &mut Value, random: &mut Random) {
             let count = json["nodes"].as_array().map_or(0, Vec::len);
             if count > 0 {
                 let (a, b) = (random.below(count), random.below(count));
-                json["nodes"][a]["children"] = json!([b]);
-                if random.below(2) == 0 {
-                    json["nodes"][b]["children"] = json!([a]);
+                let back = random.below(2) == 0;
+                for (parent, child) in [(a, b), (b, a)].into_iter().take(1 + usize::from(back)) {
+                    if let Some(Value::Object(node)) = json.pointer_mut(&format!("/nodes/{parent}")) {
+                        node.insert("children".to_owned(), json!([child]));
+                    }
                 }
             }
         }
