@@ -157,7 +157,7 @@ pub const ISSUES: &[Issue] = &[
     issue("MESH_PRIMITIVE_ATTRIBUTES_ACCESSOR_INVALID_FORMAT", Refused, "an attribute of a type that it cannot have"),
     issue(
         "MESH_PRIMITIVE_ATTRIBUTES_ACCESSOR_UNSIGNED_INT",
-        Told,
+        NotRead,
         "only attributes that are not read can have the type",
     ),
     issue("MESH_PRIMITIVE_GENERATED_TANGENT_SPACE", Told, "tangents are made by MikkTSpace"),

@@ -258,7 +258,7 @@ fn damage(json: &Value, binary: &mut [u8], random: &mut Random) {
         let views = json["bufferViews"].as_array().map_or(0, Vec::len);
         let view = &json["bufferViews"][random.below(views.max(1))];
         // Into a view's first bytes, where headers and counts are, or anywhere.
-        let start = view["byteOffset"].as_u64().unwrap_or(0) as usize + random.below(40);
+        let start = (view["byteOffset"].as_u64().unwrap_or(0) as usize).wrapping_add(random.below(40));
         let at = if random.below(2) == 0 { start % binary.len() } else { at };
         match random.below(4) {
             0 => binary[at] ^= 1 << random.below(8),

@@ -252,9 +252,6 @@ fn in_json(code: &str) -> Option<(Builder, &'static str)> {
         "MESH_PRIMITIVE_ATTRIBUTES_ACCESSOR_INVALID_FORMAT" => {
             (quad().set("/accessors/0/type", json!("VEC2")), "POSITION: cannot be")
         }
-        "MESH_PRIMITIVE_ATTRIBUTES_ACCESSOR_UNSIGNED_INT" => {
-            (quad().attribute("_ID", vec![0; 16], 5125, "SCALAR", 4, false), "attributes that glTF does not know")
-        }
         "MESH_PRIMITIVE_GENERATED_TANGENT_SPACE" => {
             let mut file = mapped();
             file.primitive()["attributes"].as_object_mut().unwrap().remove("TANGENT");
