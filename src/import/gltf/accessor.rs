@@ -165,7 +165,8 @@ impl<'a> Data<'a> {
         if let Some(index) = accessor.buffer_view {
             let view = self.find(index, &format!("{place}.bufferView"))?;
             let width = component.size() as u64;
-            let unaligned = offset % width != 0 || view.offset.wrapping_add(offset) % width != 0;
+            let total = view.offset.wrapping_add(offset);
+            let unaligned = !offset.is_multiple_of(width) || !total.is_multiple_of(width);
             let what = "accessors do not begin at a multiple of their numbers' size; they were read where they begin";
             notices.count(NoticeKind::Repaired, what, unaligned.into(), &place);
             stride = view.stride.unwrap_or(size);

@@ -71,7 +71,7 @@ pub(super) fn report(root: &Root, notices: &mut Notices) {
             *attributes += u64::from(used.vertices);
         }
         let offset = accessor.byte_offset.map_or(0, |o| o.0);
-        let unaligned = offset % 4 != 0 || (stride.is_none() && size(accessor) % 4 != 0);
+        let unaligned = !offset.is_multiple_of(4) || (stride.is_none() && !size(accessor).is_multiple_of(4));
         let what = "vertex attributes do not begin at multiples of 4 bytes; they were read as they are";
         notices.count(Repaired, what, (used.vertices && unaligned).into(), &place);
         let what = "indices are in buffer views with a stride, which glTF does not allow; it was used as it is";
