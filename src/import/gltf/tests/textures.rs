@@ -134,3 +134,17 @@ fn damaged_ktx2_files_never_panic() {
         }
     }
 }
+
+/// Found by changed structures: ones where the lengths of repeats are make the decoder's sums overflow, which an unoptimized
+/// build notices by a panic.
+#[test]
+fn ones_in_place_of_etc1s_repeats_become_errors_or_pictures() {
+    for at in 80..ETC1S.0.len() {
+        let mut bytes = ETC1S.0.to_vec();
+        bytes.iter_mut().skip(at).take(8).for_each(|byte| *byte = 0xFF);
+        match textured(None, &bytes, "KHR_texture_basisu").load() {
+            Ok(scene) => assert_eq!(scene.images[0].rgba.len(), 4 * 20 * 12),
+            Err(e) => assert!(e.to_string().contains("images[0]"), "{at}: {e}"),
+        }
+    }
+}
