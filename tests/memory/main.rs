@@ -104,7 +104,7 @@ fn picture(side: u32) -> Vec<u8> {
 fn ktx2(side: u32, unpacked: u64) -> Vec<u8> {
     let mut file = vec![0xAB, b'K', b'T', b'X', b' ', b'2', b'0', 0xBB, b'\r', b'\n', 0x1A, b'\n'];
     for word in [0, 1, side, side, 0, 0, 1, 1, 2, 104, 44, 0, 0, 0, 0, 0, 0] {
-        file.extend((word as u32).to_le_bytes());
+        file.extend(u32::to_le_bytes(word));
     }
     for word in [148, 20, unpacked] {
         file.extend(word.to_le_bytes());
