@@ -33,6 +33,7 @@ use serde::Serialize;
 use crate::app;
 use crate::export::image::{Difference, LinearImage, compare, parse_background};
 use crate::export::png::{read_png, write_png};
+use crate::import::features;
 use crate::render::FrameReport;
 use crate::scene::builtin;
 use crate::session::camera_in_scene;
@@ -116,6 +117,9 @@ fn run(command: Command) -> Result<(), Failure> {
         }
         Command::Adapters { json } => render::adapters(json),
         Command::Settings { toml } => output::print(settings(toml)?.as_bytes()),
+        Command::Formats { markdown } => {
+            output::print(if markdown { features::markdown() } else { features::text() }.as_bytes())
+        }
         Command::Presets => output::print(presets().as_bytes()),
         Command::Transfer(args) => transfer::run(&args),
         Command::Scenes => output::print(scenes().as_bytes()),

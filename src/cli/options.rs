@@ -62,6 +62,12 @@ pub enum Command {
     Presets,
     /// Describe a transfer function, or write it in another format
     Transfer(TransferArgs),
+    /// List what is read of each file format
+    Formats {
+        /// Print the table of `docs/formats.md`
+        #[arg(long)]
+        markdown: bool,
+    },
     /// List the built-in scenes
     Scenes,
     /// Write the built-in scenes as GLB files

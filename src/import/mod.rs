@@ -12,6 +12,7 @@
 
 pub mod cases;
 mod error;
+pub mod features;
 mod gltf;
 mod notices;
 mod phase;
@@ -126,6 +127,8 @@ pub struct Limits {
     pub image_pixels: u64,
     /// Levels of the node hierarchy.
     pub node_depth: u64,
+    /// Instances that EXT_mesh_gpu_instancing makes, all nodes together.
+    pub instances: u64,
 }
 
 impl Default for Limits {
@@ -137,6 +140,7 @@ impl Default for Limits {
             image_side: 16_384,
             image_pixels: 1 << 29,
             node_depth: 1024,
+            instances: 1 << 20,
         }
     }
 }

@@ -53,6 +53,8 @@ pub struct Scene {
     pub parts: Vec<Part>,
     /// Cameras that the file brings.
     pub cameras: Vec<SceneCamera>,
+    /// Names of the finishes that the file offers (KHR_materials_variants); which one is shown is chosen on import.
+    pub variants: Vec<String>,
     /// Added to a scene position, gives the position in the file's own coordinates. Zero unless re-based.
     pub origin: DVec3,
     /// Everything that the file asked for and was approximated, ignored or repaired, one sentence each.

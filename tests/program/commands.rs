@@ -103,6 +103,7 @@ fn help_names_commands_environment_and_exit_codes() {
         "adapters",
         "settings",
         "presets",
+        "formats",
         "scenes",
         "transfer",
         "assets",

@@ -57,6 +57,7 @@ pub fn simplified(scene: &Scene, budget: u64) -> Option<Scene> {
         images: scene.images.clone(),
         parts,
         cameras: scene.cameras.clone(),
+        variants: scene.variants.clone(),
         origin: scene.origin,
         notices: Vec::new(),
     })

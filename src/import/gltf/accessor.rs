@@ -10,7 +10,8 @@ use gltf_json::accessor::{ComponentType, Type};
 use gltf_json::validation::Checked;
 use gltf_json::{Index, Root};
 
-use super::{Fallible, Fault, Limits};
+use super::{Fallible, Fault, Limits, Notices, draco};
+use crate::scene::NoticeKind;
 
 /// An accessor without a buffer view, all zeros but for its sparse part, may have this many elements.
 const MOST_WITHOUT_DATA: u64 = 1 << 24;
@@ -23,6 +24,8 @@ pub(super) struct Data<'a> {
 
 struct View<'a> {
     bytes: &'a [u8],
+    /// Where it begins in its buffer.
+    offset: u64,
     stride: Option<u64>,
 }
 
@@ -46,8 +49,14 @@ pub(super) struct Accessor<'a> {
 }
 
 impl<'a> Data<'a> {
-    /// Checks all views and accessors.
-    pub(super) fn new(root: &Root, buffers: &'a [Cow<'_, [u8]>], limits: &Limits) -> Fallible<Data<'a>> {
+    /// Checks all views and accessors. Views that were stored compressed have their content in `decoded`.
+    pub(super) fn new(
+        root: &Root,
+        buffers: &'a [Cow<'_, [u8]>],
+        decoded: &'a [Option<Vec<u8>>],
+        limits: &Limits,
+        notices: &mut Notices,
+    ) -> Fallible<Data<'a>> {
         let mut views = Vec::with_capacity(root.buffer_views.len());
         for (i, view) in root.buffer_views.iter().enumerate() {
             let place = format!("bufferViews[{i}]");
@@ -55,20 +64,39 @@ impl<'a> Data<'a> {
                 return Err(missing(format!("{place}.buffer"), "buffer", view.buffer.value(), buffers.len()));
             };
             let (offset, length) = (view.byte_offset.map_or(0, |o| o.0), view.byte_length.0);
-            let bytes = slice(buffer, offset, length).ok_or_else(|| {
-                let held = buffer.len();
-                Fault::invalid(
-                    &place,
-                    format!("bytes {offset} to {offset} + {length} lie outside its buffer of {held}"),
-                )
-            })?;
+            let outside = |held: u64| {
+                let cause = format!("bytes {offset} to {offset} + {length} lie outside its buffer of {held}");
+                Fault::invalid(&place, cause)
+            };
+            let bytes = match decoded.get(i).and_then(Option::as_ref) {
+                Some(decoded) => {
+                    // Its own buffer may hold nothing, but says how much it would.
+                    let said = root.buffers.get(view.buffer.value()).map_or(0, |b| b.byte_length.0);
+                    if offset.checked_add(length).is_none_or(|end| end > said) {
+                        return Err(outside(said));
+                    }
+                    decoded
+                }
+                None => slice(buffer, offset, length).ok_or_else(|| outside(buffer.len() as u64))?,
+            };
             // Zero is how some exporters write "tightly packed".
             let stride = view.byte_stride.map(|s| s.0 as u64).filter(|&s| s != 0);
-            views.push(View { bytes, stride });
+            views.push(View { bytes, offset, stride });
         }
         let mut data = Data { views, accessors: Vec::new() };
+        let elsewhere = draco::accessors(root);
+        // Each has a table of its own, and many may share their data.
+        let mut replaced = 0_u64;
+        for (i, sparse) in root.accessors.iter().enumerate().filter_map(|(i, a)| Some((i, a.sparse.as_ref()?))) {
+            replaced = replaced.saturating_add(sparse.count.0);
+            if replaced > limits.vertices {
+                let place = format!("accessors[{i}].sparse.count");
+                return Err(Fault::limit(place, "sparse elements of all accessors so far", replaced, limits.vertices));
+            }
+        }
         for (i, accessor) in root.accessors.iter().enumerate() {
-            let accessor = data.check(accessor, format!("accessors[{i}]"), limits)?;
+            let elsewhere = elsewhere.get(i).copied().unwrap_or_default();
+            let accessor = data.check(accessor, format!("accessors[{i}]"), elsewhere, limits, notices)?;
             data.accessors.push(accessor);
         }
         Ok(data)
@@ -88,7 +116,32 @@ impl<'a> Data<'a> {
         self.accessors.get(index.value()).ok_or_else(|| missing(place, "accessor", index.value(), self.accessors.len()))
     }
 
-    fn check(&self, accessor: &gltf_json::Accessor, place: String, limits: &Limits) -> Fallible<Accessor<'a>> {
+    /// An accessor of its own on packed bytes, which must be as many as `count` elements; gives its index.
+    pub(super) fn add(
+        &mut self,
+        place: String,
+        count: u64,
+        component: ComponentType,
+        shape: Type,
+        normalized: bool,
+        bytes: &'a [u8],
+    ) -> u32 {
+        let stride = element_size(component, shape) as usize;
+        let (bytes, sparse) = (Some(bytes), HashMap::new());
+        self.accessors.push(Accessor { place, count, component, shape, normalized, bytes, stride, sparse });
+        // A file of 2^32 accessors is longer than any that is read.
+        (self.accessors.len() - 1) as u32
+    }
+
+    /// `elsewhere` says that the data is in a stream that the accessor does not name.
+    fn check(
+        &self,
+        accessor: &gltf_json::Accessor,
+        place: String,
+        elsewhere: bool,
+        limits: &Limits,
+        notices: &mut Notices,
+    ) -> Fallible<Accessor<'a>> {
         let Checked::Valid(component) = accessor.component_type else {
             return Err(Fault::invalid(format!("{place}.componentType"), "is not one of glTF's component types"));
         };
@@ -103,7 +156,7 @@ impl<'a> Data<'a> {
         }
         // Without a view nothing in the file bounds the count.
         let without_data = limits.vertices.min(MOST_WITHOUT_DATA);
-        if accessor.buffer_view.is_none() && count > without_data {
+        if accessor.buffer_view.is_none() && !elsewhere && count > without_data {
             return Err(Fault::limit(format!("{place}.count"), "elements without a buffer view", count, without_data));
         }
         let offset = accessor.byte_offset.map_or(0, |o| o.0);
@@ -111,6 +164,11 @@ impl<'a> Data<'a> {
         let mut bytes = None;
         if let Some(index) = accessor.buffer_view {
             let view = self.find(index, &format!("{place}.bufferView"))?;
+            let width = component.size() as u64;
+            let total = view.offset.wrapping_add(offset);
+            let unaligned = !offset.is_multiple_of(width) || !total.is_multiple_of(width);
+            let what = "accessors do not begin at a multiple of their numbers' size; they were read where they begin";
+            notices.count(NoticeKind::Repaired, what, unaligned.into(), &place);
             stride = view.stride.unwrap_or(size);
             if stride < size {
                 let cause = format!("elements of {size} bytes do not fit the view's byteStride {stride}");
@@ -127,10 +185,13 @@ impl<'a> Data<'a> {
             })?);
         }
         let sparse = match &accessor.sparse {
-            Some(sparse) => self.sparse(sparse, &format!("{place}.sparse"), count, size)?,
+            Some(sparse) => self.sparse(sparse, &format!("{place}.sparse"), count, size, notices)?,
             None => HashMap::new(),
         };
         let normalized = accessor.normalized;
+        let whole = matches!(component, ComponentType::F32 | ComponentType::U32);
+        let what = "accessors are normalized but of a type that cannot be; where it matters they are read as they are";
+        notices.count(NoticeKind::Repaired, what, (normalized && whole).into(), &place);
         let stride = usize::try_from(stride).map_err(|_| Fault::invalid(&place, "byteStride is too large"))?;
         Ok(Accessor { place, count, component, shape, normalized, bytes, stride, sparse })
     }
@@ -141,6 +202,7 @@ impl<'a> Data<'a> {
         place: &str,
         count: u64,
         size: u64,
+        notices: &mut Notices,
     ) -> Fallible<HashMap<u32, &'a [u8]>> {
         let replaced = sparse.count.0;
         if replaced > count {
@@ -164,14 +226,19 @@ impl<'a> Data<'a> {
         let positions = part("indices", indices.buffer_view, indices.byte_offset.0, width as u64)?;
         let values = part("values", values.buffer_view, values.byte_offset.0, size)?;
         let mut map = HashMap::with_capacity(positions.len() / width);
+        let (mut last, mut falling) = (None, 0);
         for (i, (at, value)) in positions.chunks_exact(width).zip(values.chunks_exact(size as usize)).enumerate() {
             let at = unsigned(at);
             if u64::from(at) >= count {
                 let cause = format!("element {at} is to be replaced, there are {count}");
                 return Err(Fault::invalid(format!("{place}.indices, number {i}"), cause));
             }
+            falling += u64::from(last.is_some_and(|last| at <= last));
+            last = Some(at);
             map.insert(at, value);
         }
+        let what = "sparse indices do not rise; the last value for an element counts";
+        notices.count(NoticeKind::Repaired, what, falling, place);
         Ok(map)
     }
 }
@@ -209,6 +276,11 @@ impl Accessor<'_> {
         self.element(index).and_then(|bytes| bytes.get(..self.component.size())).map_or(0, unsigned)
     }
 
+    /// Bytes of an element.
+    pub(super) fn size(&self) -> u64 {
+        element_size(self.component, self.shape)
+    }
+
     /// What an element is, for messages: `VEC3 of F32`.
     pub(super) fn describe(&self) -> String {
         let normalized = if self.normalized { "normalized " } else { "" };
@@ -221,7 +293,7 @@ pub(super) fn missing(place: impl Into<String>, what: &str, index: usize, count:
     Fault::invalid(place, format!("refers to {what} {index}, the file has {count}"))
 }
 
-fn slice(bytes: &[u8], offset: u64, length: u64) -> Option<&[u8]> {
+pub(super) fn slice(bytes: &[u8], offset: u64, length: u64) -> Option<&[u8]> {
     let start = usize::try_from(offset).ok()?;
     let end = usize::try_from(offset.checked_add(length)?).ok()?;
     bytes.get(start..end)

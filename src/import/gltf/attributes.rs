@@ -91,22 +91,34 @@ pub(super) fn indices<'a>(source: &Source, data: &'a Data<'a>, place: &str) -> F
 }
 
 /// The corners of a primitive in file order: its indices, or every vertex once.
-pub(super) fn corners(indices: Option<&Accessor>, vertices: u64, place: &str) -> Fallible<Vec<u32>> {
+pub(super) fn corners(
+    indices: Option<&Accessor>,
+    vertices: u64,
+    place: &str,
+    notices: &mut Notices,
+) -> Fallible<Vec<u32>> {
     // Checked when the accessors were: at most `Limits::vertices`.
     let count = |n: u64| u32::try_from(n).map_err(|_| Fault::limit(place, "vertices", n, u32::MAX.into()));
     let Some(indices) = indices else {
         return Ok((0..count(vertices)?).collect());
     };
-    (0..count(indices.count)?)
+    // The largest value of its type starts strips anew on GPUs, so that glTF forbids it.
+    let restart = u32::MAX >> (32 - 8 * indices.component.size().clamp(1, 4) as u32);
+    let mut restarts = 0;
+    let corners = (0..count(indices.count)?)
         .map(|i| {
             let index = indices.index(i);
             if u64::from(index) < vertices {
+                restarts += u64::from(index == restart);
                 return Ok(index);
             }
             let cause = format!("number {i} is {index}, the primitive has {vertices} vertices ({})", indices.place);
             Err(Fault::invalid(format!("{place}.indices"), cause))
         })
-        .collect()
+        .collect();
+    let what = "indices have the largest value of their type, which glTF does not allow; they were read as vertices";
+    notices.count(NoticeKind::Repaired, what, restarts, place);
+    corners
 }
 
 /// Triangles from corners, in order, all wound as the first (glTF 2.0, 3.7.2.1), and how many corners are left over.

@@ -5,28 +5,33 @@ use std::path::Path;
 
 use gltf_json::Root;
 
-use super::{Fallible, Fault, Limits, Notices, uri};
+use super::budget::Budget;
+use super::{Fallible, Fault, Limits, Notices, meshopt, uri};
+use crate::scene::NoticeKind;
 
 /// The bytes of every buffer, exactly `byteLength` each.
 pub(super) fn read<'a>(
     root: &Root,
     binary: Option<&'a [u8]>,
     folder: Option<&Path>,
+    budget: &Budget,
     limits: &Limits,
     notices: &mut Notices,
 ) -> Fallible<Vec<Cow<'a, [u8]>>> {
     let mut buffers = Vec::new();
-    let mut total = 0_u64;
     let mut binary_used = false;
     for (i, buffer) in root.buffers.iter().enumerate() {
         let length = buffer.byte_length.0;
         let place = format!("buffers[{i}]");
-        total = total.saturating_add(length);
-        if total > limits.bytes {
-            return Err(Fault::limit(place, "bytes of buffers", total, limits.bytes));
+        // Views of it are stored compressed, elsewhere.
+        if buffer.uri.is_none() && meshopt::is_placeholder(buffer) {
+            buffers.push(Cow::Borrowed(&[][..]));
+            continue;
         }
+        budget.take(length, &place)?;
         let (bytes, source) = match (&buffer.uri, binary) {
             (Some(uri), _) => {
+                tell_kind(uri, &place, notices);
                 (Cow::Owned(uri::resolve(uri, &format!("{place}.uri"), folder, limits.bytes)?), "its data")
             }
             (None, Some(chunk)) if i == 0 => {
@@ -45,6 +50,9 @@ pub(super) fn read<'a>(
             let place = format!("{place}.byteLength");
             return Err(Fault::invalid(place, format!("is {length}, {source} has {held} bytes")));
         }
+        let data = buffer.uri.as_ref().is_some_and(|uri| uri.starts_with("data:"));
+        let what = "buffers in data URIs are longer than they say; the rest is ignored";
+        notices.count(NoticeKind::Repaired, what, (data && held > length).into(), &place);
         // Checked: length ≤ held, which is a usize.
         let length = length as usize;
         buffers.push(match bytes {
@@ -59,4 +67,13 @@ pub(super) fn read<'a>(
         notices.ignored("the GLB's binary chunk belongs to no buffer".to_owned());
     }
     Ok(buffers)
+}
+
+/// Tells a data URI that says it is something else than bytes.
+fn tell_kind(uri: &str, place: &str, notices: &mut Notices) {
+    let Some(rest) = uri.strip_prefix("data:") else { return };
+    let kind = rest.split([';', ',']).next().unwrap_or_default();
+    let odd = !matches!(kind, "" | "application/octet-stream" | "application/gltf-buffer");
+    let what = "buffers in data URIs say that they are something else; they were read as bytes";
+    notices.count(NoticeKind::Repaired, what, odd.into(), place);
 }

@@ -12,13 +12,15 @@ use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
 use super::extensions::{is_supported, note_values};
-use super::{Fallible, Fault, Notices};
+use super::{Fallible, Fault, Notices, schema, variants};
 
 /// A parsed file.
 pub(super) struct Document {
     pub(super) root: Root,
     /// Every extension that the file names or contains, with the first place where it was found.
     pub(super) extensions: BTreeMap<String, String>,
+    /// Names of material variants.
+    pub(super) variants: Vec<String>,
 }
 
 /// Members whose numbers are indices or enumeration values.
@@ -61,6 +63,7 @@ pub(super) fn parse(json: &[u8], notices: &mut Notices) -> Fallible<Document> {
         return Err(Fault::invalid("JSON", "is not an object"));
     };
     version(&top, notices)?;
+    schema::check(&top, notices)?;
     let mut extensions = BTreeMap::new();
     for list in ["extensionsUsed", "extensionsRequired"] {
         let names: Vec<String> = take(&mut top, list)?.unwrap_or_default();
@@ -71,10 +74,12 @@ pub(super) fn parse(json: &[u8], notices: &mut Notices) -> Fallible<Document> {
     }
     // Whatever is in these is none of glTF's business.
     top.remove("extras");
+    let mut variants = Vec::new();
     if let Some(Value::Object(found)) = top.remove("extensions") {
         for name in found.keys() {
             extensions.entry(name.clone()).or_insert_with(|| format!("extensions.{name}"));
         }
+        variants = variants::names(found.get(variants::NAME))?;
     }
     for (key, value) in &mut top {
         clean(value, key, key, &mut extensions, notices)?;
@@ -103,7 +108,7 @@ pub(super) fn parse(json: &[u8], notices: &mut Notices) -> Fallible<Document> {
         ..Root::default()
     };
     rest_pose(&top, &root, notices);
-    Ok(Document { root, extensions })
+    Ok(Document { root, extensions, variants })
 }
 
 /// `asset.version` 2.x is read; a `minVersion` above 2.0 is not.

@@ -8,7 +8,9 @@ use rayon::prelude::*;
 
 use super::accessor::{Data, missing};
 use super::attributes::{self, Attributes};
+use super::steps::{Steps, settle};
 use super::{Fallible, Fault, ImportOptions, Notices, tangents};
+use crate::import::Phase;
 use crate::scene::{Material, Mesh, NoticeKind, Primitive, compute_normals, interpolated_normals, reweighted_normals};
 
 /// The meshes, with a default material added if a primitive needs it.
@@ -16,6 +18,9 @@ pub(super) struct Geometry {
     pub(super) meshes: Vec<Mesh>,
     pub(super) materials: Vec<Material>,
 }
+
+/// What the length of a unit vector may be off by: a little more than bytes make of it.
+const UNIT: f64 = 2e-2;
 
 struct Context<'a> {
     data: &'a Data<'a>,
@@ -25,11 +30,12 @@ struct Context<'a> {
     options: &'a ImportOptions,
 }
 
-/// Reads all meshes, shown or not.
+/// Reads all meshes, shown or not. Of the phase the share `begin` is already done.
 pub(super) fn read<'a>(
     root: &Root,
     data: &'a Data<'a>,
     mut materials: Vec<Material>,
+    begin: f32,
     options: &ImportOptions,
     notices: &mut Notices,
 ) -> Fallible<Geometry> {
@@ -53,18 +59,19 @@ pub(super) fn read<'a>(
         quantized: root.extensions_used.iter().chain(&root.extensions_required).any(|e| e == "KHR_mesh_quantization"),
         options,
     };
+    let steps = Steps::new(options, Phase::Geometry, [begin, 1.0], primitives.len());
     let read: Vec<Fallible<(usize, Option<Primitive>, Notices)>> = primitives
         .into_par_iter()
         .map(|(mesh, place, source)| {
-            options.cancel.go_on()?;
-            let mut notices = Notices::default();
-            context.primitive(source, &place, &mut notices).map(|p| (mesh, p, notices))
+            steps.each(|| {
+                let mut notices = Notices::default();
+                context.primitive(source, &place, &mut notices).map(|p| (mesh, p, notices))
+            })
         })
         .collect();
     let names = root.meshes.iter().map(|m| m.name.clone().unwrap_or_default());
     let mut meshes: Vec<Mesh> = names.map(|name| Mesh { name, primitives: Vec::new() }).collect();
-    for result in read {
-        let (mesh, primitive, told) = result?;
+    for (mesh, primitive, told) in settle(read)? {
         notices.append(told);
         meshes[mesh].primitives.extend(primitive);
     }
@@ -115,7 +122,7 @@ impl Context<'_> {
             notices.count(NoticeKind::Ignored, "primitives of points or lines are not shown", 1, place);
             return Ok(None);
         }
-        let corners = attributes::corners(indices, found.positions.count, place)?;
+        let corners = attributes::corners(indices, found.positions.count, place, notices)?;
         let (mut triangles, left_over) = attributes::triangles(&corners, mode);
         drop(corners);
         let what = "indices at the end of a primitive do not make a triangle and were dropped";
@@ -199,7 +206,7 @@ impl Context<'_> {
         place: &str,
         notices: &mut Notices,
     ) -> bool {
-        let mut bad = Vec::new();
+        let (mut bad, mut long) = (Vec::new(), 0);
         if let Some(accessor) = found.normals {
             let read = |(i, &v): (usize, &u32)| {
                 let stored: [f32; 3] = accessor.numbers(v);
@@ -213,10 +220,12 @@ impl Context<'_> {
                     bad.push(i);
                     return [0.0; 3];
                 }
+                long += u64::from((length - 1.0).abs() > UNIT);
                 (normal / length).as_vec3().to_array()
             };
             p.normals = vertices.iter().enumerate().map(read).collect();
         }
+        notices.count(NoticeKind::Repaired, "normals were not of unit length and were normalized", long, place);
         let what = "normals were zero or not finite and were computed";
         notices.count(NoticeKind::Repaired, what, bad.len() as u64, place);
         if found.normals.is_none() || bad.len() == vertices.len() {
@@ -252,14 +261,18 @@ impl Context<'_> {
         place: &str,
         notices: &mut Notices,
     ) {
+        let alone = found.tangents.is_some() && found.normals.is_none();
+        let what = "primitives have tangents but no normals; the tangents were not used";
+        notices.count(NoticeKind::Repaired, what, alone.into(), place);
         let Some(map) = self.materials[p.material].normal_texture else { return };
         // Tangents of a file go with its own normals only.
         if let Some(accessor) = found.tangents.filter(|_| own_normals) {
-            let mut bad = 0;
+            let (mut bad, mut odd) = (0, 0);
             let read = |(&v, &normal): (&u32, &[f32; 3])| {
                 let [x, y, z, w]: [f32; 4] = accessor.numbers(v);
                 let direction = DVec3::new(x.into(), y.into(), z.into());
                 let length = direction.length();
+                odd += u64::from((length - 1.0).abs() > UNIT || (f64::from(w).abs() - 1.0).abs() > UNIT);
                 if !length.is_finite() || length < 1e-12 || w.is_nan() {
                     bad += 1;
                     return tangents::any(normal);
@@ -269,6 +282,8 @@ impl Context<'_> {
             };
             p.tangents = vertices.iter().zip(&p.normals).map(read).collect();
             notices.count(NoticeKind::Repaired, "tangents were zero or not finite and were replaced", bad, place);
+            let what = "tangents were not of unit length or had another handedness than 1 or -1; both were set right";
+            notices.count(NoticeKind::Repaired, what, odd - bad.min(odd), place);
             return;
         }
         tangents::generate(p, map.uv_set as usize);

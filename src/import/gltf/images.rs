@@ -1,4 +1,4 @@
-//! Images: PNG and JPEG to RGBA, 8 bits a channel, as stored. Sizes are checked before anything is decoded.
+//! Images: PNG, JPEG, WebP and KTX2 to RGBA, 8 bits a channel, as stored. Sizes are checked before anything is decoded.
 
 use std::borrow::Cow;
 use std::io::Cursor;
@@ -6,62 +6,156 @@ use std::path::Path;
 use std::sync::Arc;
 
 use gltf_json::Root;
-use image::{DynamicImage, ImageDecoder, ImageReader};
+use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader};
 use rayon::prelude::*;
 
 use super::accessor::Data;
-use super::{Fallible, Fault, ImportOptions, Limits, Notices, uri};
+use super::budget::Budget;
+use super::sources::Sources;
+use super::steps::{Steps, settle};
+use super::{Fallible, Fault, ImportOptions, Limits, Notices, ktx2, uri};
+use crate::import::Phase;
 use crate::scene::{Image, NoticeKind};
 
-/// All images of the file, used or not.
+/// The images of a file.
+pub(super) struct Images {
+    /// Those that were decoded.
+    pub(super) images: Vec<Arc<Image>>,
+    /// Per image of the file: which of them it is, if it was needed.
+    pub(super) numbers: Vec<Option<usize>>,
+}
+
+/// What an image is and what is to be told of it.
+struct Encoded<'a> {
+    index: usize,
+    place: String,
+    bytes: Cow<'a, [u8]>,
+}
+
+/// All images that `sources` want. One that cannot be read and that every texture has a substitute for is given up for
+/// that one.
 pub(super) fn read(
     root: &Root,
     data: &Data,
+    sources: &mut Sources,
     folder: Option<&Path>,
+    budget: &Budget,
     options: &ImportOptions,
     notices: &mut Notices,
-) -> Fallible<Vec<Arc<Image>>> {
+) -> Fallible<Images> {
     let limits = &options.limits;
-    let mut encoded: Vec<(String, Cow<[u8]>)> = Vec::new();
+    let mut encoded: Vec<Encoded> = Vec::new();
+    let wanted = sources.wanted();
+    let mut waiting: Vec<usize> = (0..wanted.len()).rev().filter(|&i| wanted[i]).collect();
+    let mut looked_at = vec![false; root.images.len()];
     let mut pixels = 0_u64;
-    for (i, image) in root.images.iter().enumerate() {
-        let place = format!("images[{i}]");
-        let bytes = match (&image.uri, image.buffer_view) {
-            (Some(uri), None) => Cow::Owned(uri::resolve(uri, &format!("{place}.uri"), folder, limits.bytes)?),
-            (None, Some(view)) => Cow::Borrowed(data.view(view, &format!("{place}.bufferView"))?),
-            (Some(_), Some(_)) => return Err(Fault::invalid(place, "has both a uri and a bufferView")),
-            (None, None) => return Err(Fault::invalid(place, "has neither a uri nor a bufferView")),
-        };
-        let (width, height) = decoder(&bytes, &place, limits)?.dimensions();
-        pixels = pixels.saturating_add(u64::from(width) * u64::from(height));
-        if pixels > limits.image_pixels {
-            return Err(Fault::limit(place, "pixels of images", pixels, limits.image_pixels));
+    while let Some(index) = waiting.pop() {
+        if std::mem::replace(&mut looked_at[index], true) {
+            continue;
         }
-        encoded.push((place, bytes));
+        let place = format!("images[{index}]");
+        options.cancel.go_on()?;
+        match open(root, data, sources, index, &place, folder, limits, notices) {
+            Ok((bytes, [width, height])) => {
+                pixels = pixels.saturating_add(u64::from(width) * u64::from(height));
+                if pixels > limits.image_pixels {
+                    return Err(Fault::limit(place, "pixels of images", pixels, limits.image_pixels));
+                }
+                if let Cow::Owned(bytes) = &bytes {
+                    budget.take(bytes.len() as u64, &place)?;
+                }
+                encoded.push(Encoded { index, place, bytes });
+            }
+            Err(fault @ (Fault::Limit { .. } | Fault::Cancelled)) => return Err(fault),
+            Err(fault) => {
+                let Some(substitutes) = sources.give_up(index) else { return Err(fault) };
+                notices.approximated(format!("{place}: it cannot be read, so the file's substitute for it is shown"));
+                waiting.extend(substitutes);
+            }
+        }
     }
-    let decoded: Vec<Fallible<(Image, bool)>> = encoded
+    encoded.sort_by_key(|e| e.index);
+    let left_out = looked_at.iter().filter(|looked| !**looked).count();
+    let what = "images are the file's substitutes for ones that were read, or of kinds that are not, and were left out";
+    notices.count(NoticeKind::Ignored, what, left_out as u64, "images");
+    let mut numbers = vec![None; root.images.len()];
+    for (number, image) in encoded.iter().enumerate() {
+        numbers[image.index] = Some(number);
+    }
+    let order: Vec<usize> = encoded.iter().map(|e| e.index).collect();
+    let steps = Steps::new(options, Phase::Images, [0.0, 1.0], encoded.len());
+    let decoded: Vec<Fallible<(Image, Lost)>> = encoded
         .into_par_iter()
-        .enumerate()
-        .map(|(i, (place, bytes))| {
-            options.cancel.go_on()?;
-            let (mut image, deep) = decode(&bytes, &place, limits)?;
-            let source = &root.images[i];
+        .map(|Encoded { index, place, bytes }| {
+            let (mut image, lost) = steps.each(|| decode(&bytes, &place, limits))?;
+            let source = &root.images[index];
             image.name = match (&source.name, &source.uri) {
                 (Some(name), _) if !name.is_empty() => name.clone(),
                 (_, Some(uri)) if !uri.starts_with("data:") => uri.clone(),
                 _ => place,
             };
-            Ok((image, deep))
+            Ok((image, lost))
         })
         .collect();
     let mut images = Vec::with_capacity(decoded.len());
-    for (i, result) in decoded.into_iter().enumerate() {
-        let (image, deep) = result?;
+    for (i, (image, lost)) in settle(decoded)?.into_iter().enumerate() {
+        let place = format!("images[{}]", order[i]);
         let what = "images of 16 bits a channel were reduced to 8";
-        notices.count(NoticeKind::Approximated, what, deep.into(), &format!("images[{i}]"));
+        notices.count(NoticeKind::Approximated, what, lost.deep.into(), &place);
+        let what = "images bring a colour profile, which is not applied";
+        notices.count(NoticeKind::Ignored, what, lost.profile.into(), &place);
         images.push(Arc::new(image));
     }
-    Ok(images)
+    Ok(Images { images, numbers })
+}
+
+/// An image's bytes, and its size in pixels, which is within the limits.
+#[expect(
+    clippy::too_many_arguments,
+    reason = "they are what the file and its reader know; a struct would name them once more"
+)]
+fn open<'a>(
+    root: &Root,
+    data: &Data<'a>,
+    sources: &Sources,
+    index: usize,
+    place: &str,
+    folder: Option<&Path>,
+    limits: &Limits,
+    notices: &mut Notices,
+) -> Fallible<(Cow<'a, [u8]>, [u32; 2])> {
+    let image = &root.images[index];
+    let bytes = match (&image.uri, image.buffer_view) {
+        (Some(uri), None) => Cow::Owned(uri::resolve(uri, &format!("{place}.uri"), folder, limits.bytes)?),
+        (None, Some(view)) => Cow::Borrowed(data.view(view, &format!("{place}.bufferView"))?),
+        (Some(_), Some(_)) => return Err(Fault::invalid(place, "has both a uri and a bufferView")),
+        (None, None) => return Err(Fault::invalid(place, "has neither a uri nor a bufferView")),
+    };
+    let (width, height) = if ktx2::is_ktx2(&bytes) {
+        ktx2::check(&bytes, place, limits)?
+    } else {
+        decoder(&bytes, place, limits)?.dimensions()
+    };
+    let kind = kind(&bytes);
+    if let Some(said) = &image.mime_type
+        && kind.is_some_and(|kind| kind != said.0)
+    {
+        let what = "images are of another kind than their mimeType says; they were read as what they are";
+        notices.count(NoticeKind::Repaired, what, 1, place);
+    }
+    let misplaced = kind.is_some_and(|kind| !sources.allow(index, kind));
+    let what =
+        "images are of a kind that needs an extension which their texture does not name; they were read all the same";
+    notices.count(NoticeKind::Repaired, what, misplaced.into(), place);
+    Ok((bytes, [width, height]))
+}
+
+/// The media type of an image by its first bytes.
+fn kind(bytes: &[u8]) -> Option<&'static str> {
+    if ktx2::is_ktx2(bytes) {
+        return Some("image/ktx2");
+    }
+    image::guess_format(bytes).ok().map(|format| format.to_mime_type())
 }
 
 fn decoder<'a>(bytes: &'a [u8], place: &str, limits: &Limits) -> Fallible<impl ImageDecoder + 'a> {
@@ -69,8 +163,8 @@ fn decoder<'a>(bytes: &'a [u8], place: &str, limits: &Limits) -> Fallible<impl I
     let mut reader = ImageReader::new(Cursor::new(bytes))
         .with_guessed_format()
         .map_err(|source| Fault::Io { place: place.to_owned(), source })?;
-    if reader.format().is_none() {
-        return Err(Fault::invalid(place, "is of an unknown kind: PNG and JPEG are read"));
+    if !matches!(reader.format(), Some(ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::WebP)) {
+        return Err(Fault::invalid(place, "is of an unknown kind: PNG, JPEG, WebP and KTX2 are read"));
     }
     let mut bounds = image::Limits::default();
     bounds.max_image_width = Some(limits.image_side);
@@ -92,10 +186,26 @@ fn decoder<'a>(bytes: &'a [u8], place: &str, limits: &Limits) -> Fallible<impl I
     Ok(decoder)
 }
 
-/// The image and whether it had more than 8 bits a channel.
-fn decode(bytes: &[u8], place: &str, limits: &Limits) -> Fallible<(Image, bool)> {
-    let image = DynamicImage::from_decoder(decoder(bytes, place, limits)?)
-        .map_err(|e| Fault::invalid(place, format!("cannot be decoded: {e}")))?;
+/// What of an image is not lost.
+#[derive(Default)]
+struct Lost {
+    /// It has more than 8 bits a channel.
+    deep: bool,
+    /// It brings a colour profile.
+    profile: bool,
+}
+
+/// The image, and what of it is not lost.
+fn decode(bytes: &[u8], place: &str, limits: &Limits) -> Fallible<(Image, Lost)> {
+    if ktx2::is_ktx2(bytes) {
+        let (width, height, rgba) = ktx2::decode(bytes, place, limits)?;
+        return Ok((Image { name: String::new(), width, height, rgba }, Lost::default()));
+    }
+    let mut decoder = decoder(bytes, place, limits)?;
+    // A profile that cannot be read is as good as none: it is not applied anyway.
+    let profile = decoder.icc_profile().is_ok_and(|profile| profile.is_some());
+    let image =
+        DynamicImage::from_decoder(decoder).map_err(|e| Fault::invalid(place, format!("cannot be decoded: {e}")))?;
     let color = image.color();
     let deep = u16::from(color.bytes_per_pixel()) > u16::from(color.channel_count());
     let rgba = image.into_rgba8();
@@ -103,5 +213,5 @@ fn decode(bytes: &[u8], place: &str, limits: &Limits) -> Fallible<(Image, bool)>
     if width == 0 || height == 0 {
         return Err(Fault::invalid(place, "has no pixels"));
     }
-    Ok((Image { name: String::new(), width, height, rgba: rgba.into_raw() }, deep))
+    Ok((Image { name: String::new(), width, height, rgba: rgba.into_raw() }, Lost { deep, profile }))
 }

@@ -6,16 +6,21 @@ use gltf_json::validation::Checked;
 use gltf_json::{Index, Root};
 
 use super::accessor::missing;
+use super::images::Images;
+use super::sources::Sources;
 use super::{Fallible, Fault, Notices};
-use crate::scene::{AlphaMode, Material, Mip, Texture, TextureRef, Wrap};
+use crate::scene::{AlphaMode, Material, Mip, NoticeKind, Texture, TextureRef, Wrap};
 
-/// `gltf-json` writes a texture without an image as this index.
-const NO_IMAGE: usize = u32::MAX as usize;
 /// A texture without an image: no material refers to it in the end.
 const UNUSABLE: usize = usize::MAX;
 
 /// All textures. One without an image has an image index of `usize::MAX`; [`read`] drops the references to it.
-pub(super) fn textures(root: &Root, images: usize, notices: &mut Notices) -> Fallible<Vec<Texture>> {
+pub(super) fn textures(
+    root: &Root,
+    sources: &Sources,
+    images: &Images,
+    notices: &mut Notices,
+) -> Fallible<Vec<Texture>> {
     let mut textures = Vec::new();
     for (i, texture) in root.textures.iter().enumerate() {
         let place = format!("textures[{i}]");
@@ -27,14 +32,11 @@ pub(super) fn textures(root: &Root, images: usize, notices: &mut Notices) -> Fal
                 .get(index.value())
                 .ok_or_else(|| missing(format!("{place}.sampler"), "sampler", index.value(), root.samplers.len()))?,
         };
-        let image = match texture.source.value() {
-            NO_IMAGE => {
-                notices.ignored(format!("{place}: it has no image that can be read, and is not shown"));
-                UNUSABLE
-            }
-            source if source < images => source,
-            source => return Err(missing(format!("{place}.source"), "image", source, images)),
-        };
+        let shown = sources.of_texture.get(i).and_then(|offered| offered.first());
+        let image = shown.and_then(|&image| images.numbers.get(image).copied().flatten()).unwrap_or_else(|| {
+            notices.ignored(format!("{place}: it has no image that can be read, and is not shown"));
+            UNUSABLE
+        });
         let mut bad = false;
         let mut wrap = |mode: &Checked<WrappingMode>| match mode {
             Checked::Valid(WrappingMode::Repeat) => Wrap::Repeat,
@@ -166,6 +168,9 @@ impl Reader<'_> {
 
     fn alpha(&mut self, source: &Source) -> AlphaMode {
         use gltf_json::material::AlphaMode as Mode;
+        let unused = source.alpha_cutoff.is_some() && source.alpha_mode != Checked::Valid(Mode::Mask);
+        let what = "materials have an alphaCutoff but are not of the mode MASK; it does nothing";
+        self.notices.count(NoticeKind::Ignored, what, unused.into(), &self.place);
         match source.alpha_mode {
             Checked::Valid(Mode::Opaque) => AlphaMode::Opaque,
             Checked::Valid(Mode::Blend) => AlphaMode::Blend,

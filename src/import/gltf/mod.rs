@@ -4,52 +4,82 @@
 //! its validation refuses extensions that this program reads or can do without.
 //!
 //! One file passes through the modules in this order: `container` (GLB chunks) → `document` (JSON, place by place)
-//! → `extensions` (what is required, what is left out) → `buffers` and `uri` → `accessor` → `images` →
-//! `materials` → `geometry` (with `attributes`, `tangents` and the scene's normals) → `nodes`.
+//! → `extensions` (what is required, what is left out) → `buffers` and `uri`, `meshopt` (compressed views) → `accessor` →
+//! `sources`, `images` and `ktx2` → `materials` → `variants` → `draco` (compressed primitives) → `geometry` (with `attributes`,
+//! `tangents` and the scene's normals) → `nodes` (with `instancing`). `validator` lists what becomes of every fault that the Khronos
+//! validator knows. What is done piece by piece, in parallel, goes through `steps`, and what it holds through `budget`.
 
 mod accessor;
 mod attributes;
+mod budget;
 mod buffers;
 mod container;
 mod document;
+mod draco;
 mod extensions;
 mod geometry;
 mod images;
+mod instancing;
+mod ktx2;
 mod materials;
+mod meshopt;
 mod nodes;
+mod schema;
+mod sources;
+mod steps;
 mod tangents;
+mod uses;
+pub(super) mod validator;
+mod variants;
 
 #[cfg(test)]
 mod tests;
 
 use std::path::Path;
 
-use super::{Fallible, Fault, ImportOptions, Limits, Notices, uri};
+use super::{Fallible, Fault, ImportOptions, Limits, Notices, Phase, uri};
 use crate::scene::Scene;
+use budget::Budget;
+pub(super) use extensions::features;
 
 /// Reads a glTF file; files that it refers to are looked up in `folder` and refused without one.
 pub(super) fn read(bytes: &[u8], name: &str, folder: Option<&Path>, options: &ImportOptions) -> Fallible<Scene> {
     let mut notices = Notices::default();
+    let tell = |phase| options.progress.tell(phase, 0.0);
+    tell(Phase::Parsing);
     let parts = container::split(bytes, &mut notices)?;
-    let document = document::parse(parts.json, &mut notices)?;
+    let mut document = document::parse(parts.json, &mut notices)?;
     extensions::report(&document, &mut notices)?;
-    let root = &document.root;
-    let buffers = buffers::read(root, parts.binary, folder, &options.limits, &mut notices)?;
-    let data = accessor::Data::new(root, &buffers, &options.limits)?;
+    uses::report(&document.root, &mut notices);
+    let budget = Budget::new(&options.limits);
+    let buffers = buffers::read(&document.root, parts.binary, folder, &budget, &options.limits, &mut notices)?;
     options.cancel.go_on()?;
-    let images = images::read(root, &data, folder, options, &mut notices)?;
-    let mut textures = materials::textures(root, images.len(), &mut notices)?;
-    let mut materials = materials::read(root, textures.len(), &mut notices)?;
+    let views = meshopt::decode(&document.root, &buffers, &budget, options, &mut notices)?;
+    let mut data = accessor::Data::new(&document.root, &buffers, &views, &options.limits, &mut notices)?;
+    options.cancel.go_on()?;
+    tell(Phase::Images);
+    let mut sources = sources::find(&document.root)?;
+    let images = images::read(&document.root, &data, &mut sources, folder, &budget, options, &mut notices)?;
+    let mut textures = materials::textures(&document.root, &sources, &images, &mut notices)?;
+    let mut materials = materials::read(&document.root, textures.len(), &mut notices)?;
     materials::drop_unusable(&mut textures, &mut materials);
-    let geometry = geometry::read(root, &data, materials, options, &mut notices)?;
-    let hierarchy = nodes::read(root, geometry.meshes.len(), &options.limits, &mut notices)?;
+    tell(Phase::Geometry);
+    variants::choose(&mut document.root, &document.variants, options, &mut notices)?;
+    let decoded = draco::decode(&document.root, &data, &budget, options, &mut notices)?;
+    draco::install(&mut document.root, &mut data, &decoded);
+    let root = &document.root;
+    let begin = if decoded.is_empty() { 0.0 } else { 0.5 };
+    let geometry = geometry::read(root, &data, materials, begin, options, &mut notices)?;
+    tell(Phase::Finishing);
+    let hierarchy = nodes::read(root, &data, &geometry.meshes, &options.limits, &mut notices)?;
     let mut scene = Scene {
         name: name.to_owned(),
         nodes: hierarchy.nodes,
         meshes: geometry.meshes,
         materials: geometry.materials,
         textures,
-        images,
+        images: images.images,
+        variants: document.variants,
         ..Scene::default()
     };
     let meshes_shown = scene.nodes.iter().filter_map(|n| n.mesh).any(|m| scene.meshes[m].triangle_count() > 0);

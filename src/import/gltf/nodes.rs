@@ -6,10 +6,10 @@ use gltf_json::camera::Type;
 use gltf_json::scene::Node as Source;
 use gltf_json::validation::Checked;
 
-use super::accessor::missing;
-use super::{Fallible, Fault, Limits, Notices};
+use super::accessor::{Data, missing};
+use super::{Fallible, Fault, Limits, Notices, instancing};
 use crate::math::Projection;
-use crate::scene::{Node, Scene, SceneCamera};
+use crate::scene::{Mesh, Node, NoticeKind, Scene, SceneCamera};
 
 /// The nodes of the shown scene, and where its cameras are.
 pub(super) struct Hierarchy {
@@ -18,11 +18,20 @@ pub(super) struct Hierarchy {
     pub(super) cameras: Vec<(usize, usize)>,
 }
 
-/// Checks all nodes and keeps, in file order, those that the shown scene reaches.
-pub(super) fn read(root: &Root, meshes: usize, limits: &Limits, notices: &mut Notices) -> Fallible<Hierarchy> {
+/// Checks all nodes and keeps, in file order, those that the shown scene reaches; after them their instances.
+pub(super) fn read(
+    root: &Root,
+    data: &Data,
+    meshes: &[Mesh],
+    limits: &Limits,
+    notices: &mut Notices,
+) -> Fallible<Hierarchy> {
     let parents = parents(root)?;
     let roots = roots(root, &parents, notices)?;
-    let reached = reach(root, &roots, limits)?;
+    let (reached, hidden) = reach(root, &roots, limits)?;
+    let what = "nodes are hidden by the file (KHR_node_visibility) and are left out";
+    notices.count(NoticeKind::Ignored, what, hidden.iter().filter(|&&h| h).count() as u64, "nodes");
+    let (mut instances, mut instanced) = (Vec::new(), 0);
     let mut next = 0;
     let number: Vec<Option<usize>> = reached
         .iter()
@@ -36,9 +45,10 @@ pub(super) fn read(root: &Root, meshes: usize, limits: &Limits, notices: &mut No
         let place = format!("nodes[{i}]");
         let parent_from_node = transform(source, &place, notices)?;
         let mesh = source.mesh.map(|m| m.value());
-        if let Some(mesh) = mesh.filter(|&m| m >= meshes) {
-            return Err(missing(format!("{place}.mesh"), "mesh", mesh, meshes));
+        if let Some(mesh) = mesh.filter(|&m| m >= meshes.len()) {
+            return Err(missing(format!("{place}.mesh"), "mesh", mesh, meshes.len()));
         }
+        let copies = instancing::read(source, data, &place, limits, &mut instanced, notices)?;
         let camera = source.camera.map(|c| c.value());
         if let Some(camera) = camera.filter(|&c| c >= root.cameras.len()) {
             return Err(missing(format!("{place}.camera"), "camera", camera, root.cameras.len()));
@@ -49,13 +59,27 @@ pub(super) fn read(root: &Root, meshes: usize, limits: &Limits, notices: &mut No
         if let Some(camera) = camera {
             check_camera(root, camera, &mut hierarchy.cameras, hierarchy.nodes.len(), notices)?;
         }
+        let shown = mesh.filter(|_| !hidden[i]);
         hierarchy.nodes.push(Node {
             name: source.name.clone().unwrap_or_default(),
             parent: parents[i].and_then(|p| number[p]),
             children: children(source).filter_map(|c| number.get(c).copied().flatten()).collect(),
             parent_from_node,
-            mesh,
+            mesh: shown.filter(|_| copies.is_none()),
         });
+        if let (Some(copies), Some(mesh)) = (copies, shown) {
+            instances.push((hierarchy.nodes.len() - 1, mesh, copies));
+        }
+    }
+    for (parent, mesh, copies) in instances {
+        let names = [&hierarchy.nodes[parent].name, &meshes[mesh].name];
+        let name = names.into_iter().find(|n| !n.is_empty()).cloned().unwrap_or_else(|| "instance".to_owned());
+        for (i, parent_from_node) in copies.into_iter().enumerate() {
+            let child = hierarchy.nodes.len();
+            hierarchy.nodes[parent].children.push(child);
+            let name = format!("{name} #{}", i + 1);
+            hierarchy.nodes.push(Node { parent: Some(parent), ..Node::root(name, Some(mesh), parent_from_node) });
+        }
     }
     finite(&hierarchy.nodes)?;
     Ok(hierarchy)
@@ -142,18 +166,30 @@ fn roots(root: &Root, parents: &[Option<usize>], notices: &mut Notices) -> Falli
     }
 }
 
-/// Which nodes the roots reach.
-fn reach(root: &Root, roots: &[usize], limits: &Limits) -> Fallible<Vec<bool>> {
+/// Which nodes the roots reach, and which of them the file hides (KHR_node_visibility: a node with all below it).
+fn reach(root: &Root, roots: &[usize], limits: &Limits) -> Fallible<(Vec<bool>, Vec<bool>)> {
     let mut reached = vec![false; root.nodes.len()];
-    let mut stack: Vec<(usize, u64)> = roots.iter().map(|&n| (n, 1)).collect();
-    while let Some((node, depth)) = stack.pop() {
+    let mut hidden = vec![false; root.nodes.len()];
+    let mut stack: Vec<(usize, u64, bool)> = roots.iter().map(|&n| (n, 1, false)).collect();
+    while let Some((node, depth, under_hidden)) = stack.pop() {
         if depth > limits.node_depth {
             return Err(Fault::limit(format!("nodes[{node}]"), "levels of nodes", depth, limits.node_depth));
         }
         reached[node] = true;
-        stack.extend(children(&root.nodes[node]).map(|c| (c, depth + 1)));
+        hidden[node] = under_hidden || !is_visible(&root.nodes[node], node)?;
+        stack.extend(children(&root.nodes[node]).map(|c| (c, depth + 1, hidden[node])));
     }
-    Ok(reached)
+    Ok((reached, hidden))
+}
+
+fn is_visible(node: &Source, index: usize) -> Fallible<bool> {
+    let object = node.extensions.as_ref().and_then(|e| e.others.get("KHR_node_visibility"));
+    match object.map(|o| o.get("visible")) {
+        None | Some(None) => Ok(true),
+        Some(Some(visible)) => visible.as_bool().ok_or_else(|| {
+            Fault::invalid(format!("nodes[{index}].extensions.KHR_node_visibility.visible"), "is not true or false")
+        }),
+    }
 }
 
 /// A node's own transform: its matrix, or translation · rotation · scale.
@@ -174,7 +210,10 @@ fn transform(node: &Source, place: &str, notices: &mut Notices) -> Fallible<DMat
             notices.repaired(format!("{place}.matrix: its last row is not 0 0 0 1 and was set to it"));
             (matrix[3], matrix[7], matrix[11], matrix[15]) = (0.0, 0.0, 0.0, 1.0);
         }
-        return Ok(DMat4::from_cols_array(&matrix));
+        let matrix = DMat4::from_cols_array(&matrix);
+        let what = "matrices are not products of translation, rotation and scale; they were used as they are";
+        notices.count(NoticeKind::Repaired, what, is_skewed(&matrix).into(), place);
+        return Ok(matrix);
     }
     let translation = node.translation.unwrap_or([0.0; 3]);
     let scale = node.scale.unwrap_or([1.0; 3]);
@@ -190,6 +229,13 @@ fn transform(node: &Source, place: &str, notices: &mut Notices) -> Fallible<DMat
     let turn = if length > 1e-12 { turn.normalize() } else { DQuat::IDENTITY };
     let vector = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
     Ok(DMat4::from_scale_rotation_translation(vector(scale), turn, vector(translation)))
+}
+
+/// Whether the axes of a matrix are not at right angles, or have no length.
+fn is_skewed(matrix: &DMat4) -> bool {
+    let axes = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|a| a.truncate().normalize_or_zero());
+    let cosine = |a: usize, b: usize| axes[a].dot(axes[b]).abs();
+    axes.contains(&DVec3::ZERO) || cosine(0, 1).max(cosine(1, 2)).max(cosine(2, 0)) > 1e-3
 }
 
 /// Products of finite matrices can still overflow.

@@ -176,7 +176,7 @@ fn images_are_decoded_and_bounded() {
     let pixel = png(image::DynamicImage::ImageRgb8(image::RgbImage::from_raw(1, 1, vec![10, 20, 30]).unwrap()));
     let scene = with(&pixel).scene();
     assert_eq!(scene.images[0].rgba, [10, 20, 30, 255]);
-    assert_eq!((scene.images[0].name.as_str(), scene.notices.len()), ("paint", 1));
+    assert_eq!((scene.images[0].name.as_str(), scene.notices.len()), ("paint", 2));
     let deep = image::ImageBuffer::from_raw(1, 1, vec![0xFFFF_u16, 0, 0x8080]).unwrap();
     let scene = with(&png(image::DynamicImage::ImageRgb16(deep))).scene();
     assert_eq!(scene.images[0].rgba, [255, 0, 128, 255]);

@@ -197,8 +197,10 @@ fn every_component_type_and_its_normalization() {
 #[test]
 fn quantized_meshes() {
     let file = Builder::new()
-        .attribute("POSITION", shorts(&[0, 0, 0, 65535, 0, 0, 0, 65535, 0]), 5123, "VEC3", 3, true)
-        .attribute("NORMAL", vec![0, 0, 127, 0, 0, 127, 0, 0, 127], 5120, "VEC3", 3, true)
+        .attribute("POSITION", shorts(&[0, 0, 0, 0, 65535, 0, 0, 0, 0, 65535, 0, 0]), 5123, "VEC3", 3, true)
+        .attribute("NORMAL", vec![0, 0, 127, 0, 0, 0, 127, 0, 0, 0, 127, 0], 5120, "VEC3", 3, true)
+        .set("/bufferViews/0/byteStride", json!(8))
+        .set("/bufferViews/1/byteStride", json!(4))
         .set("/extensionsRequired", json!(["KHR_mesh_quantization"]))
         .set("/extensionsUsed", json!(["KHR_mesh_quantization"]));
     let scene = file.scene();

@@ -1,10 +1,17 @@
 //! Tests of the importer on tiny files built here, one per point of the format, and on the shared models.
 
+mod compression;
 mod container;
 mod geometry;
+mod instances;
 mod materials;
 mod mutation;
 mod nodes;
+mod pairs;
+mod progress;
+mod structured;
+mod textures;
+mod validator;
 
 use base64::Engine;
 use serde_json::{Value, json};

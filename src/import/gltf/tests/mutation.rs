@@ -4,17 +4,17 @@ use super::*;
 use crate::import::{ImportOptions, Limits, load_bytes_with};
 
 /// A small generator with a fixed sequence.
-struct Random(u64);
+pub(super) struct Random(pub(super) u64);
 
 impl Random {
-    fn below(&mut self, n: usize) -> usize {
+    pub(super) fn below(&mut self, n: usize) -> usize {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         ((self.0 >> 33) as usize) % n.max(1)
     }
 }
 
 /// Everything in one small file: textures, normal map, sparse data, colours, cameras, hierarchy.
-fn rich() -> Builder {
+pub(super) fn rich() -> Builder {
     let pixel = png(image::DynamicImage::new_rgb8(2, 2));
     let mut file = Builder::quad()
         .attribute("TEXCOORD_0", shorts(&[0, 0, 65535, 0, 65535, 65535, 0, 65535]), 5123, "VEC2", 4, true)
@@ -48,7 +48,7 @@ fn rich() -> Builder {
     file
 }
 
-fn options() -> ImportOptions {
+pub(super) fn options() -> ImportOptions {
     let limits = Limits {
         bytes: 1 << 20,
         vertices: 1 << 14,
@@ -56,12 +56,13 @@ fn options() -> ImportOptions {
         image_side: 64,
         image_pixels: 1 << 12,
         node_depth: 32,
+        instances: 64,
     };
     ImportOptions { limits, ..ImportOptions::default() }
 }
 
 /// All that a finished scene promises.
-fn check(scene: &Scene) {
+pub(super) fn check(scene: &Scene) {
     for primitive in scene.meshes.iter().flat_map(|m| &m.primitives) {
         let count = primitive.positions.len();
         assert!(primitive.triangles.as_flattened().iter().all(|&v| (v as usize) < count));
