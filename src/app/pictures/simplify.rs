@@ -59,6 +59,7 @@ pub fn simplified(scene: &Scene, budget: u64) -> Option<Scene> {
         cameras: scene.cameras.clone(),
         origin: scene.origin,
         notices: Vec::new(),
+        partition: scene.partition.clone(),
     })
 }
 

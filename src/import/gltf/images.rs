@@ -1,16 +1,15 @@
-//! Images: PNG and JPEG to RGBA, 8 bits a channel, as stored. Sizes are checked before anything is decoded.
+//! The images of a glTF file: where each comes from, and how much all of them take. `import::images` decodes.
 
 use std::borrow::Cow;
-use std::io::Cursor;
 use std::path::Path;
 use std::sync::Arc;
 
 use gltf_json::Root;
-use image::{DynamicImage, ImageDecoder, ImageReader};
 use rayon::prelude::*;
 
 use super::accessor::Data;
-use super::{Fallible, Fault, ImportOptions, Limits, Notices, uri};
+use super::{Fallible, Fault, ImportOptions, Notices, uri};
+use crate::import::images::{decode, dimensions};
 use crate::scene::{Image, NoticeKind};
 
 /// All images of the file, used or not.
@@ -32,7 +31,7 @@ pub(super) fn read(
             (Some(_), Some(_)) => return Err(Fault::invalid(place, "has both a uri and a bufferView")),
             (None, None) => return Err(Fault::invalid(place, "has neither a uri nor a bufferView")),
         };
-        let (width, height) = decoder(&bytes, &place, limits)?.dimensions();
+        let (width, height) = dimensions(&bytes, &place, limits)?;
         pixels = pixels.saturating_add(u64::from(width) * u64::from(height));
         if pixels > limits.image_pixels {
             return Err(Fault::limit(place, "pixels of images", pixels, limits.image_pixels));
@@ -62,46 +61,4 @@ pub(super) fn read(
         images.push(Arc::new(image));
     }
     Ok(images)
-}
-
-fn decoder<'a>(bytes: &'a [u8], place: &str, limits: &Limits) -> Fallible<impl ImageDecoder + 'a> {
-    let fail = |e: image::ImageError| Fault::invalid(place, format!("cannot be decoded: {e}"));
-    let mut reader = ImageReader::new(Cursor::new(bytes))
-        .with_guessed_format()
-        .map_err(|source| Fault::Io { place: place.to_owned(), source })?;
-    if reader.format().is_none() {
-        return Err(Fault::invalid(place, "is of an unknown kind: PNG and JPEG are read"));
-    }
-    let mut bounds = image::Limits::default();
-    bounds.max_image_width = Some(limits.image_side);
-    bounds.max_image_height = Some(limits.image_side);
-    // 8 bytes a pixel at 16 bits a channel, and as much again for the decoder's own needs.
-    bounds.max_alloc = Some(limits.image_pixels.saturating_mul(16));
-    reader.limits(bounds.clone());
-    let mut decoder = reader.into_decoder().map_err(fail)?;
-    let (width, height) = decoder.dimensions();
-    if width.max(height) > limits.image_side {
-        return Err(Fault::limit(
-            place,
-            "pixels of width or height",
-            width.max(height).into(),
-            limits.image_side.into(),
-        ));
-    }
-    decoder.set_limits(bounds).map_err(fail)?;
-    Ok(decoder)
-}
-
-/// The image and whether it had more than 8 bits a channel.
-fn decode(bytes: &[u8], place: &str, limits: &Limits) -> Fallible<(Image, bool)> {
-    let image = DynamicImage::from_decoder(decoder(bytes, place, limits)?)
-        .map_err(|e| Fault::invalid(place, format!("cannot be decoded: {e}")))?;
-    let color = image.color();
-    let deep = u16::from(color.bytes_per_pixel()) > u16::from(color.channel_count());
-    let rgba = image.into_rgba8();
-    let (width, height) = rgba.dimensions();
-    if width == 0 || height == 0 {
-        return Err(Fault::invalid(place, "has no pixels"));
-    }
-    Ok((Image { name: String::new(), width, height, rgba: rgba.into_raw() }, deep))
 }

@@ -5,7 +5,7 @@
 //!
 //! One file passes through the modules in this order: `container` (GLB chunks) → `document` (JSON, place by place)
 //! → `extensions` (what is required, what is left out) → `buffers` and `uri` → `accessor` → `images` →
-//! `materials` → `geometry` (with `attributes`, `tangents` and the scene's normals) → `nodes`.
+//! `materials` → `geometry` (with `attributes`, `import::triangles`, `import::tangents`) → `nodes`.
 
 mod accessor;
 mod attributes;
@@ -17,7 +17,6 @@ mod geometry;
 mod images;
 mod materials;
 mod nodes;
-mod tangents;
 
 #[cfg(test)]
 mod tests;
