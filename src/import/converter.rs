@@ -167,7 +167,12 @@ enum Stop {
 }
 
 /// Waits for the program; gives how it ended and the last line that it said.
-fn watch(mut child: Child, output: &Path, folder: &Path, options: &ImportOptions) -> Result<(ExitStatus, String), Stop> {
+fn watch(
+    mut child: Child,
+    output: &Path,
+    folder: &Path,
+    options: &ImportOptions,
+) -> Result<(ExitStatus, String), Stop> {
     let (sender, said) = mpsc::channel();
     if let Some(mut stderr) = child.stderr.take() {
         std::thread::spawn(move || {

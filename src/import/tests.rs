@@ -1,4 +1,4 @@
-//! The shared models: every GLB and glTF there loads, or is refused as expected.
+//! The shared models: every model of a format that is read loads, or is refused as expected.
 
 use std::path::{Path, PathBuf};
 
@@ -23,6 +23,8 @@ const REFUSED: &[(&str, &str)] = &[
     ("malformed/image__invalid_image_data.gltf", "images[0].uri"),
     ("malformed/accessor__unresolved_bufferviews.gltf", "accessors[0].bufferView"),
     ("malformed/IndexOutOfRange.gltf", "meshes[0].primitives[0].indices"),
+    ("malformed/malformed.obj", "line 23: vertex 12 does not exist: 8 come before this line"),
+    ("malformed/empty.stl", "an STL file without triangles"),
 ];
 
 /// What loads with a notice: its kind and a part of it.
@@ -53,6 +55,21 @@ const TRIANGLES: &[(&str, u64)] = &[
     ("conformance/primitive_modes/Mesh_PrimitiveMode_06.gltf", 2),
     ("materials/CompareAnisotropy.glb", 36_864),
     ("flow/StreamSurfaceA.glb", 29_782),
+    ("obj/spot.obj", 5856),
+    ("obj/spider/spider.obj", 1368),
+    ("obj/teapot.obj", 25_200),
+    ("stl_ply/ADIS16480.STL", 7436),
+    ("stl_ply/featuretype.STL", 3476),
+    ("stl_ply/cycloidal.ply", 43_368),
+    ("stl_ply/Spider_ascii.stl", 1368),
+];
+
+/// Parts, and what the sentence about them says.
+const PARTS: &[(&str, usize, &str)] = &[
+    ("obj/spot.obj", 1, "connected components"),
+    ("obj/spider/spider.obj", 4, "the file's nodes: the file names objects or groups"),
+    ("stl_ply/featuretype.STL", 1, "connected components: an STL file is one mesh"),
+    ("stl_ply/cycloidal.ply", 21, "connected components: a PLY file is one mesh"),
 ];
 
 fn models() -> Option<PathBuf> {
@@ -70,8 +87,11 @@ fn walk(folder: &Path, found: &mut Vec<PathBuf>) {
         let path = entry.path();
         if path.is_dir() {
             walk(&path, found);
-        } else if path.extension().is_some_and(|e| e == "glb" || e == "gltf") {
-            found.push(path);
+        } else {
+            let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
+            if ["glb", "gltf", "obj", "stl", "ply"].contains(&extension.as_str()) {
+                found.push(path);
+            }
         }
     }
 }
@@ -106,6 +126,11 @@ fn every_shared_model_loads_or_is_refused_as_expected() {
                 for (_, n) in TRIANGLES.iter().filter(|t| t.0 == name) {
                     if count > *n || (count < *n && dropped == 0) {
                         wrong.push(format!("{name}: {count} triangles instead of {n}"));
+                    }
+                }
+                for (_, n, part) in PARTS.iter().filter(|t| t.0 == name) {
+                    if scene.parts.len() != *n || !scene.partition.contains(part) {
+                        wrong.push(format!("{name}: {} parts instead of {n}: {}", scene.parts.len(), scene.partition));
                     }
                 }
                 if scene.bounds().is_empty() != scene.parts.is_empty() || !scene.bounds().size().is_finite() {

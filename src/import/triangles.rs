@@ -17,7 +17,13 @@ const MOVED_RADII: f64 = 8.0;
 
 /// What shows a surface of which a file says no more than where it is: light grey, neither metal nor a mirror.
 pub(super) fn plain_material() -> Material {
-    Material { base_color: [0.6, 0.6, 0.6, 1.0], metallic: 0.0, roughness: 0.5, double_sided: true, ..Material::default() }
+    Material {
+        base_color: [0.6, 0.6, 0.6, 1.0],
+        metallic: 0.0,
+        roughness: 0.5,
+        double_sided: true,
+        ..Material::default()
+    }
 }
 
 /// Where to put the origin of a mesh so that `f32` keeps its coordinates: the centre of their box if that lies far away, else

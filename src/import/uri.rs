@@ -26,7 +26,8 @@ pub(super) fn resolve(uri: &str, place: &str, folder: Option<&Path>, limit: u64)
         return data(&uri[5..], place, limit);
     }
     let path = percent_encoding::percent_decode_str(uri).decode_utf8();
-    let path = path.map_err(|_| Fault::invalid(place, format!("{:?} is not UTF-8 after percent-decoding", short(uri))))?;
+    let path =
+        path.map_err(|_| Fault::invalid(place, format!("{:?} is not UTF-8 after percent-decoding", short(uri))))?;
     file(&path, place, folder, limit)
 }
 

@@ -23,12 +23,13 @@ mod tests;
 
 use std::path::Path;
 
-use super::{Fallible, Fault, ImportOptions, Limits, Notices, uri};
+use super::{Fallible, Fault, ImportOptions, Limits, Notices, Phase, uri};
 use crate::scene::Scene;
 
 /// Reads a glTF file; files that it refers to are looked up in `folder` and refused without one.
 pub(super) fn read(bytes: &[u8], name: &str, folder: Option<&Path>, options: &ImportOptions) -> Fallible<Scene> {
     let mut notices = Notices::default();
+    options.progress.tell(Phase::Parsing, 0.0);
     let parts = container::split(bytes, &mut notices)?;
     let document = document::parse(parts.json, &mut notices)?;
     extensions::report(&document, &mut notices)?;
@@ -36,10 +37,12 @@ pub(super) fn read(bytes: &[u8], name: &str, folder: Option<&Path>, options: &Im
     let buffers = buffers::read(root, parts.binary, folder, &options.limits, &mut notices)?;
     let data = accessor::Data::new(root, &buffers, &options.limits)?;
     options.cancel.go_on()?;
+    options.progress.tell(Phase::Images, 0.0);
     let images = images::read(root, &data, folder, options, &mut notices)?;
     let mut textures = materials::textures(root, images.len(), &mut notices)?;
     let mut materials = materials::read(root, textures.len(), &mut notices)?;
     materials::drop_unusable(&mut textures, &mut materials);
+    options.progress.tell(Phase::Geometry, 0.0);
     let geometry = geometry::read(root, &data, materials, options, &mut notices)?;
     let hierarchy = nodes::read(root, geometry.meshes.len(), &options.limits, &mut notices)?;
     let mut scene = Scene {

@@ -248,14 +248,8 @@ fn color(rest: &[u8]) -> Option<[f32; 3]> {
 impl Map {
     /// Options, then a file name, which may have spaces.
     pub(super) fn parse(rest: &[u8]) -> Option<Map> {
-        let mut map = Map {
-            file: String::new(),
-            scale: [1.0; 2],
-            offset: [0.0; 2],
-            strength: 1.0,
-            clamp: false,
-            channel: None,
-        };
+        let mut map =
+            Map { file: String::new(), scale: [1.0; 2], offset: [0.0; 2], strength: 1.0, clamp: false, channel: None };
         let mut rest = rest;
         while let Some((option, after)) = first_word(rest).filter(|(word, _)| word.starts_with(b"-")) {
             rest = after;

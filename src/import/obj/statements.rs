@@ -189,8 +189,8 @@ impl Reader<'_> {
             }
             b"mtllib" => self.model.libraries.push(rest.to_vec()),
             b"p" | b"l" => self.counts.points_and_lines += 1,
-            b"vp" | b"cstype" | b"deg" | b"bmat" | b"step" | b"curv" | b"curv2" | b"surf" | b"parm" | b"trim" | b"hole"
-            | b"scrv" | b"sp" | b"end" | b"con" => self.counts.curves += 1,
+            b"vp" | b"cstype" | b"deg" | b"bmat" | b"step" | b"curv" | b"curv2" | b"surf" | b"parm" | b"trim"
+            | b"hole" | b"scrv" | b"sp" | b"end" | b"con" => self.counts.curves += 1,
             _ if word.starts_with(b"#") => {}
             _ => self.counts.unknown += 1,
         }

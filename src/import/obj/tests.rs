@@ -94,7 +94,8 @@ fn odd_text_is_read() {
     assert_eq!(scene.triangle_count(), 3);
     assert_eq!(scene.nodes[0].name, "Tür");
     let scene = read(format!("{SQUARE}p 1\nl 1 2\ncstype bezier\nmagic 1\nf 1 2\nf 1 2 3"));
-    for what in ["2 statements of points or lines", "1 statements of free-form", "1 statements are none", "1 faces with fewer"]
+    for what in
+        ["2 statements of points or lines", "1 statements of free-form", "1 statements are none", "1 faces with fewer"]
     {
         assert!(told(&scene, what), "{what}: {:?}", scene.notices);
     }
@@ -229,7 +230,11 @@ fn limits_and_calling_off_hold() {
     let many = format!("{SQUARE}g a\nf 1 2 3\ng b\nf 1 2 4\ng c\nf 1 3 4");
     let scene = load_bytes_with(many.as_bytes(), "x", None, &options).expect("a scene");
     assert_eq!(scene.parts.len(), 1);
-    assert!(told(&scene, "3 objects and groups") && scene.partition.starts_with("the whole file"), "{}", scene.partition);
+    assert!(
+        told(&scene, "3 objects and groups") && scene.partition.starts_with("the whole file"),
+        "{}",
+        scene.partition
+    );
     let options = ImportOptions::default();
     options.cancel.cancel();
     let error = load_bytes_with(text.as_bytes(), "x", None, &options).expect_err("called off");

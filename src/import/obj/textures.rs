@@ -137,12 +137,7 @@ impl Textures {
     }
 
     /// An image made of others, once for each `key`.
-    fn make(
-        &mut self,
-        key: String,
-        size: [u32; 2],
-        pixel: impl Fn(u32, u32) -> [u8; 4] + Sync,
-    ) -> Fallible<usize> {
+    fn make(&mut self, key: String, size: [u32; 2], pixel: impl Fn(u32, u32) -> [u8; 4] + Sync) -> Fallible<usize> {
         if let Some(&known) = self.made.get(&key) {
             return Ok(known);
         }

@@ -92,8 +92,7 @@ impl Components {
     pub(super) fn of(mesh: &Mesh) -> Components {
         let positions: Vec<[f32; 3]> = mesh.primitives.iter().flat_map(|p| p.positions.iter().copied()).collect();
         let welded = weld_positions(&positions);
-        let points: Vec<DVec3> =
-            welded.firsts.iter().map(|&v| Vec3::from(positions[v as usize]).as_dvec3()).collect();
+        let points: Vec<DVec3> = welded.firsts.iter().map(|&v| Vec3::from(positions[v as usize]).as_dvec3()).collect();
         let mut sets = Sets((0..points.len() as u32).collect());
         unite_near(&points, &mut sets);
         let mut triangles: Vec<u32> = Vec::new();

@@ -67,7 +67,8 @@ pub(super) fn divide(draft: Draft, options: &ImportOptions) -> Fallible<Scene> {
         Ok(what) => format!("{what}: {reason}"),
         Err(many) => {
             // A sentence of its own, because the user is likely to have expected something else.
-            let message = format!("the model is not divided into {many}, which are more than the limit of {most} parts");
+            let message =
+                format!("the model is not divided into {many}, which are more than the limit of {most} parts");
             scene.notices.push(Notice { kind: NoticeKind::Approximated, message });
             format!("{}: {many} would be more than the limit of {most} parts", nodes_of(&scene))
         }

@@ -10,8 +10,14 @@ use crate::scene::{Material, Mesh, Node, Primitive, SceneCamera};
 /// A square of side 1 in the plane z = 0, two triangles without common vertices, beginning at `at`.
 fn square(at: [f32; 3], material: usize) -> Primitive {
     let corner = |x: f32, y: f32| [at[0] + x, at[1] + y, at[2]];
-    let positions =
-        vec![corner(0.0, 0.0), corner(1.0, 0.0), corner(1.0, 1.0), corner(0.0, 0.0), corner(1.0, 1.0), corner(0.0, 1.0)];
+    let positions = vec![
+        corner(0.0, 0.0),
+        corner(1.0, 0.0),
+        corner(1.0, 1.0),
+        corner(0.0, 0.0),
+        corner(1.0, 1.0),
+        corner(0.0, 1.0),
+    ];
     Primitive {
         normals: vec![[0.0, 0.0, 1.0]; 6],
         uvs: [positions.iter().map(|p| [p[0], p[1]]).collect(), Vec::new()],
@@ -53,7 +59,7 @@ fn scene() -> Scene {
     .finish()
     .expect("finished");
     let world_from_camera = DMat4::from_translation(DVec3::new(1.0, 2.0, 3.0) - scene.origin);
-    let projection = crate::math::Projection::Perspective { vertical_fov: 1.0 };
+    let projection = crate::math::Projection::Perspective { fov_y: 1.0 };
     scene.cameras.push(SceneCamera { name: "eye".into(), world_from_camera, projection });
     scene
 }

@@ -12,11 +12,7 @@ use crate::import::{Fallible, Fault, ImportOptions, Notices};
 use crate::scene::{NoticeKind, Primitive};
 
 /// The file's mesh, and where its coordinates begin.
-pub(super) fn build(
-    mut raw: Raw,
-    options: &ImportOptions,
-    notices: &mut Notices,
-) -> Fallible<(Primitive, DVec3)> {
+pub(super) fn build(mut raw: Raw, options: &ImportOptions, notices: &mut Notices) -> Fallible<(Primitive, DVec3)> {
     let origin = origin_of(&raw.positions);
     let mut triangles = triangles(&raw, options, notices)?;
     options.cancel.go_on()?;

@@ -148,7 +148,8 @@ fn ends_of_lines_of_all_kinds() {
         assert_eq!(read(&text).triangle_count(), 2, "{end:?}");
     }
     // Binary data that begins with what ends a line.
-    let header = format!("ply\rformat binary_big_endian 1.0\r{}{}", SQUARE.replace('\n', "\r"), FACES.replace('\n', "\r"));
+    let header =
+        format!("ply\rformat binary_big_endian 1.0\r{}{}", SQUARE.replace('\n', "\r"), FACES.replace('\n', "\r"));
     let mut bytes = header.into_bytes();
     let first = f32::from_be_bytes([b'\n', 0, 0, 0]);
     for v in [[first, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]] {
@@ -166,7 +167,8 @@ fn bad_numbers_are_mended() {
     let scene = read(format!("{HEADER}{SQUARE}{FACES}0 0 0\n0 0 0\n0 0 0\n0 0 0\n4 0 1 2 3"));
     assert!(scene.parts.is_empty() && told(&scene, "no triangles"), "{:?}", scene.notices);
     let far = SQUARE.replace("float", "double");
-    let scene = read(format!("{HEADER}{far}{FACES}1e7 0 0\n10000000.001 0 0\n10000000.001 0.001 0\n1e7 0.001 0\n4 0 1 2 3"));
+    let scene =
+        read(format!("{HEADER}{far}{FACES}1e7 0 0\n10000000.001 0 0\n10000000.001 0.001 0\n1e7 0.001 0\n4 0 1 2 3"));
     let p = &scene.meshes[0].primitives[0].positions;
     assert!((p[1][0] - p[0][0] - 0.001).abs() < 1e-7, "{p:?}");
 }

@@ -150,11 +150,7 @@ impl Reader {
         self.large += u64::from(facet.len() > 3);
         let corners = &mut self.solids[solid].corners;
         let before = corners.len();
-        self.polygons.triangulate(
-            facet.len(),
-            |i| DVec3::from(facet[i]),
-            |t| corners.extend(t.map(|i| facet[i])),
-        );
+        self.polygons.triangulate(facet.len(), |i| DVec3::from(facet[i]), |t| corners.extend(t.map(|i| facet[i])));
         (corners.len() - before) as u64 / 3
     }
 }

@@ -38,7 +38,8 @@ pub(super) fn read(bytes: &[u8], options: &ImportOptions, notices: &mut Notices)
         .map(|(corners, records)| {
             let mut colored = 0_u64;
             for (corners, record) in corners.chunks_exact_mut(3).zip(records.chunks_exact(RECORD)) {
-                let float = |at: usize| f32::from_le_bytes([record[at], record[at + 1], record[at + 2], record[at + 3]]);
+                let float =
+                    |at: usize| f32::from_le_bytes([record[at], record[at + 1], record[at + 2], record[at + 3]]);
                 for (c, corner) in corners.iter_mut().enumerate() {
                     *corner = std::array::from_fn(|axis| float(12 + 12 * c + 4 * axis));
                 }

@@ -85,7 +85,8 @@ fn attribute_bytes_and_broken_triangles_are_told() {
     bytes[84 + 48] = 7;
     let scene = read(&bytes);
     assert_eq!(scene.triangle_count(), 4);
-    for what in ["1 triangles have attribute bytes", "2 triangles with positions that are not finite", "1 triangles without"]
+    for what in
+        ["1 triangles have attribute bytes", "2 triangles with positions that are not finite", "1 triangles without"]
     {
         assert!(told(&scene, what), "{what}: {:?}", scene.notices);
     }
@@ -110,7 +111,8 @@ fn ascii_is_taken_as_people_write_it() {
     let strange = "\u{feff}  SOLID a\r\nFacet Normal 0 0 1 Outer Loop Vertex 0 0 0 vertex 1e0 0 0\r\n\
                    vertex 0 +1.0 -0.0 EndLoop EndFacet\r\nendsolid";
     assert_eq!(read(strange.as_bytes()).triangle_count(), 1);
-    let scene = read(b"solid\nfacet normal nan nan nan\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 1 0\nvertex 0 1 0\nendfacet");
+    let scene =
+        read(b"solid\nfacet normal nan nan nan\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 1 0\nvertex 0 1 0\nendfacet");
     assert_eq!(scene.triangle_count(), 2);
     assert!(told(&scene, "more than three") && told(&scene, "without 'endsolid'"), "{:?}", scene.notices);
     refused(b"solid\nfacet normal 0 0 1\nvertex 0 0\nendfacet", "line 3: a vertex has three coordinates");

@@ -56,6 +56,7 @@ fn options() -> ImportOptions {
         image_side: 64,
         image_pixels: 1 << 12,
         node_depth: 32,
+        ..Limits::default()
     };
     ImportOptions { limits, ..ImportOptions::default() }
 }
