@@ -242,11 +242,11 @@ impl Input<'_> {
     /// Reads it, or what a converter makes of it; `path` is where it lies, if it is a file.
     fn read(&self, path: Option<&Path>, options: &ImportOptions) -> Fallible<Scene> {
         options.cancel.go_on()?;
-        if let Some(format) = Format::of(self.bytes, &self.extension, &options.converters) {
-            return self.read_as(format, options);
-        }
         if self.bytes.is_empty() {
             return Err(Fault::invalid("file", "is empty"));
+        }
+        if let Some(format) = Format::of(self.bytes, &self.extension, &options.converters) {
+            return self.read_as(format, options);
         }
         let Some(command) = options.converters.get(&self.extension) else {
             return Err(Fault::UnknownKind { advice: converter::advice(&self.extension) });

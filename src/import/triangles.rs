@@ -7,9 +7,7 @@ use rayon::prelude::*;
 use super::{ImportOptions, Notices};
 use crate::math::Bounds;
 use crate::math::color::linear_from_srgb;
-use crate::scene::{
-    Material, NoticeKind, Primitive, compute_normals, interpolated_normals, reweighted_normals, weld_positions,
-};
+use crate::scene::{Material, NoticeKind, Primitive, compute_normals, mended_normals, weld_positions};
 
 /// Coordinates are moved when their centre is farther from the origin than this many radii: below it, moving them saves less
 /// than three of the 24 bits of an `f32`.
@@ -108,13 +106,12 @@ pub(super) fn given_normals(
             p.normals[i] = smooth.normals[i];
         }
     }
-    if options.reweight_normals && reweighted_normals(p) {
+    if options.reweight_normals {
+        let [reweighted, interpolated] = mended_normals(p);
         let what = "primitives have normals that are plain averages of their facets; they were re-weighted";
-        notices.count(NoticeKind::Computed, what, 1, place);
-    }
-    if options.reweight_normals && interpolated_normals(p) {
+        notices.count(NoticeKind::Computed, what, reweighted.into(), place);
         let what = "primitives have flat normals inside edges of curved facets; they were interpolated";
-        notices.count(NoticeKind::Computed, what, 1, place);
+        notices.count(NoticeKind::Computed, what, interpolated.into(), place);
     }
     true
 }

@@ -31,7 +31,7 @@ use crate::math::{Bounds, Projection};
 
 pub use arrangement::{Arrangement, ArrangementError, PartLook, PartStyle, Presence, Section};
 pub use cut::{Cap, Cut, CutPlane, Solids};
-pub use normals::{compute_normals, interpolated_normals, reweighted_normals};
+pub use normals::{compute_normals, interpolated_normals, mended_normals, reweighted_normals};
 pub use parametrization::Parametrization;
 pub use statistics::SceneStats;
 pub use weld::{Welded, weld, weld_positions};

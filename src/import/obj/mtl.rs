@@ -245,6 +245,9 @@ fn color(rest: &[u8]) -> Option<[f32; 3]> {
     [red, green, blue].iter().all(|c| c.is_finite()).then_some([red, green, blue])
 }
 
+/// No scale, offset or strength of a texture is larger.
+const LARGEST: f64 = 1e9;
+
 impl Map {
     /// Options, then a file name, which may have spaces.
     pub(super) fn parse(rest: &[u8]) -> Option<Map> {
@@ -257,7 +260,8 @@ impl Map {
                 let mut values = Vec::new();
                 while let Some((word, after)) = first_word(rest).filter(|_| values.len() < most) {
                     // A name may begin with a digit: the last word is never an option's value.
-                    let Some(value) = number(word).filter(|v| v.is_finite() && !after.is_empty()) else { break };
+                    let sound = |v: &f64| v.abs() <= LARGEST && !after.is_empty();
+                    let Some(value) = number(word).filter(sound) else { break };
                     values.push(value as f32);
                     rest = after;
                 }

@@ -94,7 +94,6 @@ impl Components {
         let welded = weld_positions(&positions);
         let points: Vec<DVec3> = welded.firsts.iter().map(|&v| Vec3::from(positions[v as usize]).as_dvec3()).collect();
         let mut sets = Sets((0..points.len() as u32).collect());
-        unite_near(&points, &mut sets);
         let mut triangles: Vec<u32> = Vec::new();
         let mut offset = 0;
         for p in &mesh.primitives {
@@ -105,6 +104,11 @@ impl Components {
                 triangles.push(a);
             }
             offset += p.positions.len();
+        }
+        // What is one piece already needs no tolerance.
+        let first = triangles.first().map(|&t| sets.root(t));
+        if triangles.iter().any(|&t| Some(sets.root(t)) != first) {
+            unite_near(&points, &mut sets);
         }
         // Numbered in order of their first triangle, then by size.
         let mut numbers = vec![u32::MAX; points.len()];

@@ -17,8 +17,15 @@ pub(super) fn build(mut raw: Raw, options: &ImportOptions, notices: &mut Notices
     let mut triangles = triangles(&raw, options, notices)?;
     options.cancel.go_on()?;
     if !raw.colors.is_empty() && !raw.face_colors.is_empty() {
-        notices.ignored("colours of faces are not shown, because vertices have some".to_owned());
-        raw.face_colors.clear();
+        // Some programs always write both, and white where there is nothing to say.
+        let plain = raw.colors.iter().all(|c| *c == raw.colors[0]);
+        let (left_out, shown) = if plain { ("vertices", "faces") } else { ("faces", "vertices") };
+        if plain {
+            raw.colors.clear();
+        } else {
+            raw.face_colors.clear();
+        }
+        notices.ignored(format!("colours of {left_out} are not shown, because those of {shown} say more"));
     }
     let face_colors = raw.face_colors.len() == raw.ends.len() && !raw.face_colors.is_empty();
     if face_colors {

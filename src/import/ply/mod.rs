@@ -1,7 +1,8 @@
 //! PLY, ASCII and binary of both byte orders: a header that declares elements and their properties, then the values.
 //!
 //! Greg Turk's format of 1994. Any program may declare what it likes, so elements and properties are found by name and all
-//! others are read over: positions, normals, colours (of vertices, else of faces) and texture coordinates of `vertex`,
+//! others are read over: positions, normals, colours (of vertices, or of faces where all
+//! vertices have the same) and texture coordinates of `vertex`,
 //! polygons of `face`, strips of `tristrips`. Numbers may have any of the eight types, also where a file has them for lists.
 //! Nothing is made room for because a header says that it comes; there must be bytes for it first.
 //!

@@ -99,6 +99,15 @@ fn normals_strips_and_colours_of_faces() {
     for (t, color) in [(0, [1.0, 0.0, 0.0, 1.0]), (1, [0.0, 0.0, 1.0, 1.0])] {
         assert!(p.triangles[t].iter().all(|&v| p.colors[v as usize] == color));
     }
+    // Both: the ones that are not all the same.
+    let channels = "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+    let with = |first: &str| {
+        let corners: Vec<String> = CORNERS.lines().map(|c| format!("{c} 255 255 255")).collect();
+        let corners = corners.join("\n").replacen("255 255 255", first, 1);
+        let scene = read(format!("{HEADER}{SQUARE}{channels}{faces}{corners}\n3 0 1 2 255 0 0\n3 0 2 3 0 0 255"));
+        scene.meshes[0].primitives[0].colors[0]
+    };
+    assert_eq!((with("255 255 255"), with("0 255 0")), ([1.0, 0.0, 0.0, 1.0], [0.0, 1.0, 0.0, 1.0]));
 }
 
 #[test]

@@ -21,10 +21,13 @@ const LONGEST_ROW: usize = 64;
 /// its normal is that plane's, and it lies between its two neighbours on a straight edge of the smooth surface. On flat faces
 /// nothing changes, because the ends have the same normal.
 pub fn interpolated_normals(primitive: &mut Primitive) -> bool {
-    if primitive.normals.len() != primitive.positions.len() {
-        return false;
+    primitive.normals.len() == primitive.positions.len() && {
+        let fans = Fans::with_normals(primitive);
+        interpolated(primitive, &fans)
     }
-    let fans = Fans::with_normals(primitive);
+}
+
+pub(super) fn interpolated(primitive: &mut Primitive, fans: &Fans) -> bool {
     let same = chord(SAME_DIRECTION);
     let vertex_of = |corner: u32| primitive.triangles[corner as usize / 3][corner as usize % 3] as usize;
     let stored: Vec<Option<DVec3>> = (0..fans.len())

@@ -10,6 +10,7 @@
 
 mod inserted;
 
+use inserted::interpolated;
 pub use inserted::interpolated_normals;
 
 use glam::{DVec3, Vec3};
@@ -140,10 +141,24 @@ impl Scratch {
 /// left alone, bit for bit, as are all normals of a primitive where no average fits: analytic ones, custom ones, flat
 /// shading.
 pub fn reweighted_normals(primitive: &mut Primitive) -> bool {
+    primitive.normals.len() == primitive.positions.len() && {
+        let fans = Fans::with_normals(primitive);
+        reweighted(primitive, &fans)
+    }
+}
+
+/// [`reweighted_normals`], then [`interpolated_normals`]; says which of them changed anything. The triangles around vertices are
+/// looked for once if the first does not.
+pub fn mended_normals(primitive: &mut Primitive) -> [bool; 2] {
     if primitive.normals.len() != primitive.positions.len() {
-        return false;
+        return [false; 2];
     }
     let fans = Fans::with_normals(primitive);
+    let first = reweighted(primitive, &fans);
+    [first, if first { interpolated_normals(primitive) } else { interpolated(primitive, &fans) }]
+}
+
+fn reweighted(primitive: &mut Primitive, fans: &Fans) -> bool {
     let tolerance = chord(AVERAGE_TOLERANCE);
     // Over the points: the file's normal, the Max-weighted one, the distances (as chords) of the four averages.
     struct Point {
