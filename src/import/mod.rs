@@ -157,6 +157,13 @@ pub struct Limits {
     pub converter_seconds: u64,
 }
 
+impl Limits {
+    /// [`Limits::triangles`], and no more than have corners that 32 bits can number.
+    fn most_triangles(&self) -> u64 {
+        self.triangles.min(u64::from(u32::MAX / 3) - 1)
+    }
+}
+
 impl Default for Limits {
     fn default() -> Limits {
         Limits {
@@ -278,7 +285,7 @@ impl Input<'_> {
             Format::Gltf => Draft::gltf(gltf::read(self.bytes, self.name, self.folder, options)?),
             Format::Obj => obj::read(self.bytes, self.name, self.folder, options)?,
             Format::Stl => stl::read(self.bytes, self.name, options)?,
-            Format::Ply => ply::read(self.bytes, self.name, self.folder, options)?,
+            Format::Ply => ply::read(self.bytes, self.name, options)?,
         };
         parts::divide(draft, options)
     }

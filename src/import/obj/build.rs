@@ -19,7 +19,7 @@ pub(super) fn build(
     notices: &mut Notices,
 ) -> Fallible<(Vec<Node>, Vec<Mesh>)> {
     let origin = origin_of(&model.positions);
-    let context = Context { model: &model, materials, origin, options };
+    let context = Context { model: &model, origin, options };
     let built: Vec<Fallible<(Option<Primitive>, Notices)>> = model
         .buckets
         .par_iter()
@@ -94,7 +94,6 @@ fn nodes(parts: &[PartName], meshes: Vec<Vec<Primitive>>, name: &str, origin: DV
 
 struct Context<'a> {
     model: &'a Model,
-    materials: &'a [Material],
     origin: DVec3,
     options: &'a ImportOptions,
 }
@@ -149,7 +148,6 @@ impl Context<'_> {
                 given_normals(&mut p, None, self.options, &place, notices);
             }
         }
-        debug_assert!(bucket.material < self.materials.len());
         Some(p)
     }
 }

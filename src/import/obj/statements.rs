@@ -263,8 +263,8 @@ impl Reader<'_> {
         let position = |i: usize| DVec3::from(positions[face[i][0] as usize]);
         polygons.triangulate(face.len(), position, |t| triangles.push(t.map(|i| face[i])));
         self.triangles += (triangles.len() - before) as u64;
-        if self.triangles > self.options.limits.triangles {
-            let allowed = self.options.limits.triangles;
+        if self.triangles > self.options.limits.most_triangles() {
+            let allowed = self.options.limits.most_triangles();
             return Err(Fault::limit(format!("line {line}"), "triangles", self.triangles, allowed));
         }
         Ok(())

@@ -58,9 +58,10 @@ fn bake(scene: &Scene, options: &ImportOptions) -> Fallible<(DVec3, Vec<Primitiv
     let limits = &options.limits;
     let triangles: u64 = shown.iter().map(|(_, mesh)| mesh.triangle_count()).sum();
     let vertices: u64 = shown.iter().flat_map(|(_, m)| &m.primitives).map(|p| p.positions.len() as u64).sum();
-    for (what, needed, allowed) in
-        [("triangles", triangles, limits.triangles), ("vertices", vertices, limits.vertices.min(u32::MAX.into()))]
-    {
+    for (what, needed, allowed) in [
+        ("triangles", triangles, limits.most_triangles()),
+        ("vertices", vertices, limits.vertices.min(u32::MAX.into())),
+    ] {
         if needed > allowed {
             return Err(Fault::limit("parts: all instances in one mesh", what, needed, allowed));
         }

@@ -86,7 +86,7 @@ fn triangles(raw: &Raw, options: &ImportOptions, notices: &mut Notices) -> Falli
     let mut start = 0;
     let mut face: Vec<u32> = Vec::new();
     let room = |all: &Vec<_>, what: &str, n: usize| {
-        let (needed, allowed) = (all.len() as u64, options.limits.triangles);
+        let (needed, allowed) = (all.len() as u64, options.limits.most_triangles());
         if needed > allowed { Err(Fault::limit(format!("{what} {n}"), "triangles", needed, allowed)) } else { Ok(()) }
     };
     for (n, &end) in raw.ends.iter().enumerate() {

@@ -2,8 +2,8 @@
 //!
 //! Greg Turk's format of 1994. Any program may declare what it likes, so elements and properties are found by name and all
 //! others are read over: positions, normals, colours (of vertices, or of faces where all
-//! vertices have the same) and texture coordinates of `vertex`,
-//! polygons of `face`, strips of `tristrips`. Numbers may have any of the eight types, also where a file has them for lists.
+//! vertices have the same) and texture coordinates of `vertex`, polygons of `face`, strips of `tristrips`. Numbers may have any
+//! of the eight types, also where a file has them for lists.
 //! Nothing is made room for because a header says that it comes; there must be bytes for it first.
 //!
 //! - **Colours** are taken as sRGB, as the programs that scan and paint meshes show them; whole numbers as shares of the
@@ -19,8 +19,6 @@ mod values;
 #[cfg(test)]
 mod tests;
 
-use std::path::Path;
-
 use glam::DMat4;
 
 use super::parts::Draft;
@@ -28,8 +26,8 @@ use super::triangles::plain_material;
 use super::{Fallible, Fault, ImportOptions, Notices, PartsBy, Phase};
 use crate::scene::{Mesh, Node, Scene};
 
-/// Reads a PLY file. `_folder` is where its texture would lie.
-pub(super) fn read(bytes: &[u8], name: &str, _folder: Option<&Path>, options: &ImportOptions) -> Fallible<Draft> {
+/// Reads a PLY file.
+pub(super) fn read(bytes: &[u8], name: &str, options: &ImportOptions) -> Fallible<Draft> {
     let mut notices = Notices::default();
     options.progress.tell(Phase::Parsing, 0.0);
     let (header, body) = header::read(bytes)?;
@@ -48,9 +46,8 @@ pub(super) fn read(bytes: &[u8], name: &str, _folder: Option<&Path>, options: &I
     options.progress.tell(Phase::Geometry, 0.0);
     let (primitive, origin) = build::build(raw, options, &mut notices)?;
     let mut scene = Scene { name: name.to_owned(), materials: vec![plain_material()], ..Scene::default() };
-    if primitive.colors.is_empty() {
-        // Only then: colours multiply the material's.
-    } else {
+    if !primitive.colors.is_empty() {
+        // The colours of vertices multiply the material's.
         scene.materials[0].base_color = [1.0; 4];
     }
     if primitive.triangles.is_empty() {

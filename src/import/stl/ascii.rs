@@ -47,8 +47,8 @@ pub(super) fn read(bytes: &[u8], options: &ImportOptions, notices: &mut Notices)
             options.progress.tell(Phase::Parsing, read as f32 / text.len() as f32);
         }
         triangles += reader.line(content, line)?;
-        if triangles > options.limits.triangles {
-            return Err(Fault::limit(format!("line {line}"), "triangles", triangles, options.limits.triangles));
+        if triangles > options.limits.most_triangles() {
+            return Err(Fault::limit(format!("line {line}"), "triangles", triangles, options.limits.most_triangles()));
         }
     }
     if reader.facet.is_some() {
@@ -101,9 +101,8 @@ impl Reader {
                 };
                 finished += self.finish(&facet);
             } else if word.eq_ignore_ascii_case(b"normal") {
-                // Three numbers, which are not needed: the winding says the same. Some are written without spaces.
-                while let Some((word, after)) = first_word(rest).filter(|(word, _)| number(word).is_some()) {
-                    let _ = word;
+                // Three numbers, which are not needed: the winding says the same.
+                while let Some((_, after)) = first_word(rest).filter(|(word, _)| number(word).is_some()) {
                     rest = after;
                 }
             } else if word.eq_ignore_ascii_case(b"solid") {

@@ -23,8 +23,8 @@ pub(super) fn read(bytes: &[u8], options: &ImportOptions, notices: &mut Notices)
         let cause = format!("says {count} triangles, and there are bytes for {whole}");
         return Err(Fault::invalid("triangle count", cause));
     }
-    if u64::from(count) > options.limits.triangles {
-        return Err(Fault::limit("triangle count", "triangles", count.into(), options.limits.triangles));
+    if u64::from(count) > options.limits.most_triangles() {
+        return Err(Fault::limit("triangle count", "triangles", count.into(), options.limits.most_triangles()));
     }
     // Checked: not more than there are bytes.
     let (records, surplus) = records.split_at(count as usize * RECORD);
