@@ -217,7 +217,7 @@ mod tests {
     #[test]
     fn a_spent_budget_is_told() {
         let mut polygons = Polygons { budget: 10, ..Polygons::default() };
-        let zigzag = |i: usize| DVec3::new(i as f64, if i % 2 == 0 { 0.0 } else { 1.0 }, 0.0);
+        let zigzag = |i: usize| DVec3::new(i as f64, (i % 2) as f64, 0.0);
         let mut count = 0;
         polygons.triangulate(101, |i| if i == 100 { DVec3::new(50.0, 9.0, 0.0) } else { zigzag(i) }, |_| count += 1);
         assert_eq!((count, polygons.unfinished), (99, 1));

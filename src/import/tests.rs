@@ -1,9 +1,10 @@
 //! The shared models: every model of a format that is read loads, or is refused as expected.
 
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex};
 
-use crate::import::load;
-use crate::scene::NoticeKind;
+use crate::import::{ImportOptions, Phase, Progress, load, load_bytes_with, load_with};
+use crate::scene::{NoticeKind, Scene};
 
 /// What is refused, and what the error must name.
 const REFUSED: &[(&str, &str)] = &[
@@ -143,4 +144,46 @@ fn every_shared_model_loads_or_is_refused_as_expected() {
     println!("{loaded} loaded, {refused} refused as expected");
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
     assert!(loaded + refused > 0, "no model in {}", folder.display());
+}
+
+const OBJ: &[u8] = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+const STL: &[u8] = b"solid\nfacet normal 0 0 1\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendfacet\nendsolid\n";
+const PLY: &[u8] = b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+                     element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+const GLTF: &[u8] = br#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
+    "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
+    "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}],
+    "bufferViews":[{"buffer":0,"byteLength":36}],
+    "buffers":[{"byteLength":36,"uri":"data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]}"#;
+
+/// What a scene is, but for its name and what is told about it.
+fn shape(scene: &Scene) -> (u64, u64) {
+    (scene.digest(), scene.triangle_count())
+}
+
+#[test]
+fn every_format_is_read_without_a_name_mapped_or_not_and_tells_its_phases_in_order() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (extension, bytes) in [("obj", OBJ), ("stl", STL), ("ply", PLY), ("gltf", GLTF)] {
+        let nameless = load_bytes_with(bytes, "-", None, &ImportOptions::default()).expect(extension);
+        assert_eq!(nameless.triangle_count(), 1, "{extension}");
+        assert!(!nameless.partition.is_empty(), "{extension}");
+        // A name that lies changes nothing.
+        let path = folder.path().join(format!("{extension}.unknown"));
+        std::fs::write(&path, bytes).expect("written");
+        let phases: Arc<Mutex<Vec<Phase>>> = Arc::default();
+        let told = phases.clone();
+        let progress = Progress::to(move |phase, done| {
+            assert!((0.0..=1.0).contains(&done));
+            told.lock().expect("not poisoned").push(phase);
+        });
+        let options = ImportOptions { map_from: 1, progress, ..ImportOptions::default() };
+        let mapped = load_with(&path, &options).expect(extension);
+        assert_eq!(shape(&mapped), shape(&nameless), "{extension}");
+        let phases = phases.lock().expect("not poisoned");
+        assert!(phases.is_sorted(), "{extension}: {phases:?}");
+        for phase in [Phase::Reading, Phase::Parsing, Phase::Geometry, Phase::Parts, Phase::Finishing] {
+            assert!(phases.contains(&phase), "{extension}: {phase:?} is missing");
+        }
+    }
 }

@@ -49,7 +49,8 @@ pub fn weld<const N: usize>(count: usize, key: impl Fn(usize) -> [u32; N] + Sync
     let dealt: Vec<Vec<Vec<u32>>> = (0..count.div_ceil(CHUNK))
         .into_par_iter()
         .map(|chunk| {
-            let mut buckets = vec![Vec::with_capacity(CHUNK / BUCKETS * 5 / 4); BUCKETS];
+            let mut buckets: Vec<Vec<u32>> =
+                (0..BUCKETS).map(|_| Vec::with_capacity(CHUNK / BUCKETS * 5 / 4)).collect();
             for i in chunk * CHUNK..((chunk + 1) * CHUNK).min(count) {
                 buckets[hash(key(i)) as usize % BUCKETS].push(i as u32);
             }

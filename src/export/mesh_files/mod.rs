@@ -35,8 +35,7 @@ struct Placed<'a> {
 impl<'a> Placed<'a> {
     fn new(source: &'a Primitive, transform: DMat4) -> Placed<'a> {
         let m = DMat3::from_mat4(transform);
-        let cofactors =
-            DMat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis));
+        let cofactors = DMat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis));
         Placed { source, transform, cofactors, mirrors: m.determinant() < 0.0 }
     }
 

@@ -37,7 +37,7 @@ pub fn write_ply(scene: &Scene, encoding: PlyEncoding) -> Vec<u8> {
     if uvs {
         header.push_str("property float s\nproperty float t\n");
     }
-    let _ = write!(header, "element face {}\n", scene.triangle_count());
+    let _ = writeln!(header, "element face {}", scene.triangle_count());
     header.push_str("property list uchar uint vertex_indices\nend_header\n");
     let mut out = Values { bytes: header.into_bytes(), encoding };
     for p in &all {

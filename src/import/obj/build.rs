@@ -132,7 +132,7 @@ impl Context<'_> {
         }
         if !self.model.colors.is_empty() {
             let color = |v: &[u32; 3]| self.model.colors.get(v[0] as usize).copied().unwrap_or([1.0; 3]);
-            p.colors = vertices.iter().map(|v| color(v)).map(|[r, g, b]| linear_color([r, g, b, 1.0])).collect();
+            p.colors = vertices.iter().map(color).map(|[r, g, b]| linear_color([r, g, b, 1.0])).collect();
         }
         match bucket.shading {
             Shading::Given => {

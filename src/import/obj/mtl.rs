@@ -14,6 +14,7 @@
 //! Everything else (`Ka`, `Ni`, `Tf`, `illum`, `map_Ks`, `refl`, sheen, clear coat …) has no counterpart; which of them a file
 //! uses is told in one sentence.
 
+use std::collections::hash_map::Entry;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::Path;
 use std::sync::Arc;
@@ -154,10 +155,14 @@ fn parse(bytes: &[u8], sources: &mut HashMap<String, Source>, notices: &mut Noti
     let (mut bad, mut outside) = (0, 0);
     let mut keep = |material: Option<(String, Source)>, notices: &mut Notices| {
         let Some((name, source)) = material else { return };
-        if sources.contains_key(&name) {
-            notices.count(NoticeKind::Ignored, "materials are defined twice; the first definition counts", 1, &name);
-        } else {
-            sources.insert(name, source);
+        match sources.entry(name) {
+            Entry::Occupied(first) => {
+                let what = "materials are defined twice; the first definition counts";
+                notices.count(NoticeKind::Ignored, what, 1, first.key());
+            }
+            Entry::Vacant(free) => {
+                free.insert(source);
+            }
         }
     };
     for (_, line) in lines(bytes) {
