@@ -82,7 +82,8 @@ pub fn choose(choice: Choice, window: Option<&Window>, file: Option<&str>, done:
     // Made here, because some desktops want that on the window's thread; waited for elsewhere.
     let spawned = match choice {
         Choice::Open => {
-            let answer = dialog.add_filter("Models and sessions", &["glb", "gltf", "toml"]).pick_file();
+            let answer =
+                dialog.add_filter("Models and sessions", &["glb", "gltf", "obj", "stl", "ply", "toml"]).pick_file();
             std::thread::Builder::new().name("dialog".to_owned()).spawn(move || finish(pollster::block_on(answer)))
         }
         Choice::ImportTransfer => {

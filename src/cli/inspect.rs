@@ -18,6 +18,9 @@ pub struct Report {
     vertices: u64,
     meshes: usize,
     bounds: Option<BoxFacts>,
+    /// What became a part and why.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    partition: String,
     parts: Vec<PartFacts>,
     nodes: Vec<NodeFacts>,
     materials: Vec<MaterialFacts>,
@@ -153,6 +156,7 @@ impl Report {
             vertices: stats.vertices,
             meshes: scene.meshes.len(),
             bounds: box_of(&stats.bounds),
+            partition: scene.partition.clone(),
             parts: parts.collect(),
             nodes: nodes.collect(),
             materials: materials.collect(),
@@ -188,6 +192,9 @@ impl Report {
                 writeln!(out, "bounds  {} to {}", numbers(b.min, ", "), numbers(b.max, ", "))?;
             }
             None => writeln!(out, "bounds  empty: there is nothing to see")?,
+        }
+        if !self.partition.is_empty() {
+            writeln!(out, "parts   {}", printable(&self.partition))?;
         }
         writeln!(out, "\nhierarchy")?;
         self.write_hierarchy(out)?;

@@ -3,4 +3,5 @@
 pub mod assets;
 pub mod glb;
 pub mod image;
+pub mod mesh_files;
 pub mod png;

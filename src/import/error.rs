@@ -15,11 +15,23 @@ pub enum ImportError {
         /// What the system said.
         source: std::io::Error,
     },
-    /// The file's name does not end in a kind that is read.
-    #[error("{file}: unknown kind of file: .gltf and .glb are read")]
+    /// Neither what is in the file nor its name is of a kind that is read.
+    #[error("{file}: unknown kind of file: glTF, GLB, OBJ, STL and PLY are read; {advice}")]
     UnknownKind {
         /// The model's file.
         file: String,
+        /// How to have it converted.
+        advice: String,
+    },
+    /// The converter that the user named for such files did not do its work.
+    #[error("{file}: converter '{command}': {cause}")]
+    Converter {
+        /// The model's file.
+        file: String,
+        /// The command line as configured.
+        command: String,
+        /// What went wrong.
+        cause: String,
     },
     /// The file contradicts the format or itself.
     #[error("{file}: {place}: {cause}")]
@@ -73,6 +85,8 @@ pub enum ImportError {
 #[derive(Debug)]
 pub(super) enum Fault {
     Io { place: String, source: std::io::Error },
+    UnknownKind { advice: String },
+    Converter { command: String, cause: String },
     Invalid { place: String, cause: String },
     Unsupported { place: String, extension: String, cause: String },
     Limit { place: String, cause: String },
@@ -100,6 +114,10 @@ impl Fault {
         let file = line(file.to_owned());
         match self {
             Fault::Io { place, source } => ImportError::Io { file, place: line(place), source },
+            Fault::UnknownKind { advice } => ImportError::UnknownKind { file, advice: line(advice) },
+            Fault::Converter { command, cause } => {
+                ImportError::Converter { file, command: line(command), cause: line(cause) }
+            }
             Fault::Invalid { place, cause } => ImportError::Invalid { file, place: line(place), cause: line(cause) },
             Fault::Unsupported { place, extension, cause } => {
                 ImportError::Unsupported { file, place: line(place), extension: line(extension), cause: line(cause) }

@@ -1,5 +1,9 @@
 //! Import: bytes to [`Scene`]. Each format has a module; what they share stands beside them.
 //!
+//! One file passes through: `source` (read or mapped) → `format` (what it is, by its content) or `converter` (a program
+//! that the user named makes something readable of it) → the format's own module → `parts` (what becomes a part).
+//! `text`, `polygon`, `triangles`, `tangents` and `images` are shared by formats.
+//!
 //! Files come from anywhere, so nothing in them is believed: every index, offset, length and count is checked in `u64`
 //! before it is used, numbers must be finite, references stay inside the model's folder, and sizes have limits. There
 //! are three outcomes for whatever a file says:
@@ -11,12 +15,27 @@
 //!   file, place and cause. Nothing panics.
 
 pub mod cases;
+mod converter;
 mod error;
 pub mod features;
+mod format;
 mod gltf;
+mod images;
 mod notices;
+mod obj;
+mod parts;
 mod phase;
+mod ply;
+mod polygon;
+mod source;
+mod stl;
+mod tangents;
+mod text;
+mod triangles;
 mod uri;
+
+#[cfg(test)]
+mod mutations;
 
 #[cfg(test)]
 mod tests;
@@ -26,11 +45,13 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use crate::scene::Scene;
+use crate::scene::{Notice, NoticeKind, Scene};
 
 pub use error::ImportError;
 use error::{Fallible, Fault};
+use format::Format;
 use notices::Notices;
+use parts::Draft;
 pub use phase::{Phase, Progress};
 
 /// What the importer does where the file leaves it open, and how much it takes.
@@ -49,6 +70,9 @@ pub struct ImportOptions {
     /// Programs that turn other formats into ones that are read: from a file's extension, in lower case, to a command line
     /// in which `{in}` and `{out}` stand for the files.
     pub converters: BTreeMap<String, String>,
+    /// Files of at least so many bytes are mapped instead of read. A mapped file that somebody shortens meanwhile ends the
+    /// program: where a file is read because it changes, this is `u64::MAX`, which maps none.
+    pub map_from: u64,
     /// How much is taken.
     pub limits: Limits,
     /// Asked between phases, images and primitives.
@@ -78,6 +102,7 @@ impl Default for ImportOptions {
             parts: None,
             variant: None,
             converters: BTreeMap::new(),
+            map_from: 8 << 20,
             limits: Limits::default(),
             cancel: Cancel::default(),
             progress: Progress::default(),
@@ -129,6 +154,17 @@ pub struct Limits {
     pub node_depth: u64,
     /// Instances that EXT_mesh_gpu_instancing makes, all nodes together.
     pub instances: u64,
+    /// Parts into which materials or connected components divide a model; where there would be more it is not divided.
+    pub parts: u64,
+    /// Seconds that a converter may take.
+    pub converter_seconds: u64,
+}
+
+impl Limits {
+    /// [`Limits::triangles`], and no more than have corners that 32 bits can number.
+    fn most_triangles(&self) -> u64 {
+        self.triangles.min(u64::from(u32::MAX / 3) - 1)
+    }
 }
 
 impl Default for Limits {
@@ -141,6 +177,8 @@ impl Default for Limits {
             image_pixels: 1 << 29,
             node_depth: 1024,
             instances: 1 << 20,
+            parts: 4096,
+            converter_seconds: 300,
         }
     }
 }
@@ -153,24 +191,20 @@ pub fn load(path: &Path) -> Result<Scene, ImportError> {
     load_with(path, &ImportOptions::default())
 }
 
-/// Reads a model from a file. Its buffers and images may lie in the same folder or below.
+/// Reads a model from a file. What it refers to, buffers, materials and images, may lie in the same folder or below.
 ///
 /// # Errors
-/// [`ImportError`]: the file cannot be read, is of an unknown kind, is malformed, needs an unsupported extension, or is
-/// over a limit.
+/// [`ImportError`]: the file cannot be read, is of an unknown kind, is malformed, needs an unsupported extension, is over a
+/// limit, or its converter failed.
 pub fn load_with(path: &Path, options: &ImportOptions) -> Result<Scene, ImportError> {
-    let file = path.display().to_string();
-    let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
-    if !matches!(extension.as_str(), "gltf" | "glb") {
-        return Err(ImportError::UnknownKind { file });
-    }
-    let bytes = uri::read_file(path, options.limits.bytes).map_err(|fault| fault.in_file(&file))?;
-    let folder = match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
+    let read = || {
+        options.progress.tell(Phase::Reading, 0.0);
+        let bytes = source::open(path, options.limits.bytes, options.map_from)?;
+        let name = path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
+        let input = Input { bytes: &bytes, name: &name, extension: extension(path), folder: Some(folder(path)) };
+        input.read(Some(path), options)
     };
-    let name = path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
-    gltf::read(&bytes, &name, Some(folder), options).map_err(|fault| fault.in_file(&file))
+    read().map_err(|fault| fault.in_file(&path.display().to_string()))
 }
 
 /// Reads a model from memory with default options. `name` is the scene's name and stands for the file in errors;
@@ -192,5 +226,71 @@ pub fn load_bytes_with(
     base_dir: Option<&Path>,
     options: &ImportOptions,
 ) -> Result<Scene, ImportError> {
-    gltf::read(bytes, name, base_dir, options).map_err(|fault| fault.in_file(name))
+    let input = Input { bytes, name, extension: extension(Path::new(name)), folder: base_dir };
+    input.read(None, options).map_err(|fault| fault.in_file(name))
+}
+
+/// The extension of a path, in lower case, without its dot.
+fn extension(path: &Path) -> String {
+    path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default()
+}
+
+/// The folder of a file.
+fn folder(path: &Path) -> &Path {
+    path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// What is to be read.
+struct Input<'a> {
+    bytes: &'a [u8],
+    name: &'a str,
+    extension: String,
+    /// Where files lie that it refers to.
+    folder: Option<&'a Path>,
+}
+
+impl Input<'_> {
+    /// Reads it, or what a converter makes of it; `path` is where it lies, if it is a file.
+    fn read(&self, path: Option<&Path>, options: &ImportOptions) -> Fallible<Scene> {
+        options.cancel.go_on()?;
+        if self.bytes.is_empty() {
+            return Err(Fault::invalid("file", "is empty"));
+        }
+        if let Some(format) = Format::of(self.bytes, &self.extension, &options.converters) {
+            return self.read_as(format, options);
+        }
+        let Some(command) = options.converters.get(&self.extension) else {
+            return Err(Fault::UnknownKind { advice: converter::advice(&self.extension) });
+        };
+        options.progress.tell(Phase::Converting, 0.0);
+        let converted = converter::convert(command, path, self.bytes, &self.extension, options)?;
+        let fault = |cause: String| Fault::Converter { command: command.clone(), cause };
+        let bytes = source::open(&converted.path, options.limits.bytes, options.map_from)?;
+        let input = Input {
+            bytes: &bytes,
+            name: self.name,
+            extension: extension(&converted.path),
+            folder: Some(folder(&converted.path)),
+        };
+        let format = Format::of(&bytes, &input.extension, &BTreeMap::new());
+        let format = format.ok_or_else(|| fault("what it wrote is of no kind that is read".to_owned()))?;
+        let read = input.read_as(format, options);
+        let mut scene = read.map_err(|e| match e {
+            Fault::Cancelled | Fault::Limit { .. } => e,
+            other => fault(format!("what it wrote cannot be read: {}", other.in_file("its output"))),
+        })?;
+        let message = format!("the file was converted to {} by '{command}'", format.name());
+        scene.notices.insert(0, Notice { kind: NoticeKind::Approximated, message });
+        Ok(scene)
+    }
+
+    fn read_as(&self, format: Format, options: &ImportOptions) -> Fallible<Scene> {
+        let draft = match format {
+            Format::Gltf => Draft::gltf(gltf::read(self.bytes, self.name, self.folder, options)?),
+            Format::Obj => obj::read(self.bytes, self.name, self.folder, options)?,
+            Format::Stl => stl::read(self.bytes, self.name, options)?,
+            Format::Ply => ply::read(self.bytes, self.name, options)?,
+        };
+        parts::divide(draft, options)
+    }
 }

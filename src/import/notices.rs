@@ -35,6 +35,10 @@ impl Notices {
         self.push(NoticeKind::Approximated, message);
     }
 
+    pub(super) fn computed(&mut self, message: String) {
+        self.push(NoticeKind::Computed, message);
+    }
+
     pub(super) fn repaired(&mut self, message: String) {
         self.push(NoticeKind::Repaired, message);
     }

@@ -1,9 +1,10 @@
-//! The shared models: every GLB and glTF there loads, or is refused as expected.
+//! The shared models: every model of a format that is read loads, or is refused as expected.
 
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex};
 
-use crate::import::load;
-use crate::scene::NoticeKind;
+use crate::import::{ImportOptions, Phase, Progress, load, load_bytes_with, load_with};
+use crate::scene::{NoticeKind, Scene};
 
 /// What is refused, and what the error must name.
 const REFUSED: &[(&str, &str)] = &[
@@ -21,6 +22,8 @@ const REFUSED: &[(&str, &str)] = &[
     ("malformed/image__invalid_image_data.gltf", "images[0].uri"),
     ("malformed/accessor__unresolved_bufferviews.gltf", "accessors[0].bufferView"),
     ("malformed/IndexOutOfRange.gltf", "meshes[0].primitives[0].indices"),
+    ("malformed/malformed.obj", "line 23: vertex 12 does not exist: 8 come before this line"),
+    ("malformed/empty.stl", "an STL file without triangles"),
 ];
 
 /// What loads with a notice: its kind and a part of it.
@@ -53,6 +56,21 @@ const TRIANGLES: &[(&str, u64)] = &[
     ("conformance/primitive_modes/Mesh_PrimitiveMode_06.gltf", 2),
     ("materials/CompareAnisotropy.glb", 36_864),
     ("flow/StreamSurfaceA.glb", 29_782),
+    ("obj/spot.obj", 5856),
+    ("obj/spider/spider.obj", 1368),
+    ("obj/teapot.obj", 25_200),
+    ("stl_ply/ADIS16480.STL", 7436),
+    ("stl_ply/featuretype.STL", 3476),
+    ("stl_ply/cycloidal.ply", 43_368),
+    ("stl_ply/Spider_ascii.stl", 1368),
+];
+
+/// Parts, and what the sentence about them says.
+const PARTS: &[(&str, usize, &str)] = &[
+    ("obj/spot.obj", 1, "connected components"),
+    ("obj/spider/spider.obj", 19, "the file's nodes: the file names objects or groups"),
+    ("stl_ply/featuretype.STL", 1, "connected components: an STL file is one mesh"),
+    ("stl_ply/cycloidal.ply", 100, "connected components: a PLY file is one mesh"),
 ];
 
 pub(super) fn models() -> Option<PathBuf> {
@@ -70,8 +88,11 @@ fn walk(folder: &Path, found: &mut Vec<PathBuf>) {
         let path = entry.path();
         if path.is_dir() {
             walk(&path, found);
-        } else if path.extension().is_some_and(|e| e == "glb" || e == "gltf") {
-            found.push(path);
+        } else {
+            let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
+            if ["glb", "gltf", "obj", "stl", "ply"].contains(&extension.as_str()) {
+                found.push(path);
+            }
         }
     }
 }
@@ -108,6 +129,11 @@ fn every_shared_model_loads_or_is_refused_as_expected() {
                         wrong.push(format!("{name}: {count} triangles instead of {n}"));
                     }
                 }
+                for (_, n, part) in PARTS.iter().filter(|t| t.0 == name) {
+                    if scene.parts.len() != *n || !scene.partition.contains(part) {
+                        wrong.push(format!("{name}: {} parts instead of {n}: {}", scene.parts.len(), scene.partition));
+                    }
+                }
                 if scene.bounds().is_empty() != scene.parts.is_empty() || !scene.bounds().size().is_finite() {
                     wrong.push(format!("{name}: bounds {:?}", scene.bounds()));
                 }
@@ -118,4 +144,46 @@ fn every_shared_model_loads_or_is_refused_as_expected() {
     println!("{loaded} loaded, {refused} refused as expected");
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
     assert!(loaded + refused > 0, "no model in {}", folder.display());
+}
+
+const OBJ: &[u8] = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+const STL: &[u8] = b"solid\nfacet normal 0 0 1\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendfacet\nendsolid\n";
+const PLY: &[u8] = b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+                     element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+const GLTF: &[u8] = br#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
+    "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
+    "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}],
+    "bufferViews":[{"buffer":0,"byteLength":36}],
+    "buffers":[{"byteLength":36,"uri":"data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]}"#;
+
+/// What a scene is, but for its name and what is told about it.
+fn shape(scene: &Scene) -> (u64, u64) {
+    (scene.digest(), scene.triangle_count())
+}
+
+#[test]
+fn every_format_is_read_without_a_name_mapped_or_not_and_tells_its_phases_in_order() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (extension, bytes) in [("obj", OBJ), ("stl", STL), ("ply", PLY), ("gltf", GLTF)] {
+        let nameless = load_bytes_with(bytes, "-", None, &ImportOptions::default()).expect(extension);
+        assert_eq!(nameless.triangle_count(), 1, "{extension}");
+        assert!(!nameless.partition.is_empty(), "{extension}");
+        // A name that lies changes nothing.
+        let path = folder.path().join(format!("{extension}.unknown"));
+        std::fs::write(&path, bytes).expect("written");
+        let phases: Arc<Mutex<Vec<Phase>>> = Arc::default();
+        let told = phases.clone();
+        let progress = Progress::to(move |phase, done| {
+            assert!((0.0..=1.0).contains(&done));
+            told.lock().expect("not poisoned").push(phase);
+        });
+        let options = ImportOptions { map_from: 1, progress, ..ImportOptions::default() };
+        let mapped = load_with(&path, &options).expect(extension);
+        assert_eq!(shape(&mapped), shape(&nameless), "{extension}");
+        let phases = phases.lock().expect("not poisoned");
+        assert!(phases.is_sorted(), "{extension}: {phases:?}");
+        for phase in [Phase::Reading, Phase::Parsing, Phase::Geometry, Phase::Parts, Phase::Finishing] {
+            assert!(phases.contains(&phase), "{extension}: {phase:?} is missing");
+        }
+    }
 }

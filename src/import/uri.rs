@@ -4,15 +4,13 @@
 //! `..`, no symbolic link that leads out, and what is opened must be a plain file.
 
 use std::borrow::Cow;
-use std::fs::File;
-use std::io::Read;
 use std::path::{Component, Path};
 
 use base64::Engine;
 use base64::alphabet::STANDARD;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 
-use super::{Fallible, Fault};
+use super::{Fallible, Fault, source};
 
 /// Base64 with or without its padding.
 const BASE64: GeneralPurpose = GeneralPurpose::new(
@@ -27,11 +25,21 @@ pub(super) fn resolve(uri: &str, place: &str, folder: Option<&Path>, limit: u64)
     if uri.get(..5).is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:")) {
         return data(&uri[5..], place, limit);
     }
-    let shown: String = uri.chars().take(200).collect();
+    let path = percent_encoding::percent_decode_str(uri).decode_utf8();
+    let path =
+        path.map_err(|_| Fault::invalid(place, format!("{:?} is not UTF-8 after percent-decoding", short(uri))))?;
+    file(&path, place, folder, limit)
+}
+
+/// So much of a reference is shown in errors.
+fn short(reference: &str) -> String {
+    reference.chars().take(200).collect()
+}
+
+/// The bytes of the file at `path`, found at `place` and written as in the file system, in `folder` or below.
+pub(super) fn file(path: &str, place: &str, folder: Option<&Path>, limit: u64) -> Fallible<Vec<u8>> {
+    let shown = short(path);
     let refuse = |cause: &str| Fault::invalid(place, format!("{shown:?} {cause}"));
-    let path: Cow<str> = percent_encoding::percent_decode_str(uri)
-        .decode_utf8()
-        .map_err(|_| refuse("is not UTF-8 after percent-decoding"))?;
     // Windows exporters write backslashes.
     let path = path.replace('\\', "/");
     if path.is_empty() || path.contains('\0') {
@@ -53,31 +61,7 @@ pub(super) fn resolve(uri: &str, place: &str, folder: Option<&Path>, limit: u64)
     if !full.starts_with(&folder) {
         return Err(refuse("is a link that leads out of the model's folder"));
     }
-    read_plain(&full, limit, &format!("{place} {shown:?}"))
-}
-
-/// A whole file, if it is a plain one and not larger than `limit` bytes.
-pub(super) fn read_file(path: &Path, limit: u64) -> Fallible<Vec<u8>> {
-    read_plain(path, limit, "file")
-}
-
-fn read_plain(path: &Path, limit: u64, place: &str) -> Fallible<Vec<u8>> {
-    let io = |source| Fault::Io { place: place.to_owned(), source };
-    // Asked before opening: opening a pipe would wait.
-    if !path.metadata().map_err(io)?.is_file() {
-        return Err(Fault::invalid(place, "is not a plain file"));
-    }
-    let file = File::open(path).map_err(io)?;
-    let length = file.metadata().map_err(io)?.len();
-    if length > limit {
-        return Err(Fault::limit(place, "bytes", length, limit));
-    }
-    let mut bytes = Vec::new();
-    file.take(limit.saturating_add(1)).read_to_end(&mut bytes).map_err(io)?;
-    if bytes.len() as u64 > limit {
-        return Err(Fault::limit(place, "bytes", bytes.len() as u64, limit));
-    }
-    Ok(bytes)
+    source::read_plain(&full, limit, &format!("{place} {shown:?}"))
 }
 
 /// The part of a data URI after `data:`.

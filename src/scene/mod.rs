@@ -20,6 +20,7 @@ pub mod hard_case;
 mod normals;
 mod parametrization;
 mod statistics;
+mod weld;
 
 use std::sync::Arc;
 
@@ -30,9 +31,10 @@ use crate::math::{Bounds, Projection};
 
 pub use arrangement::{Arrangement, ArrangementError, PartLook, PartStyle, Presence, Section};
 pub use cut::{Cap, Cut, CutPlane, Solids};
-pub use normals::{compute_normals, interpolated_normals, reweighted_normals};
+pub use normals::{compute_normals, interpolated_normals, mended_normals, reweighted_normals};
 pub use parametrization::Parametrization;
 pub use statistics::SceneStats;
+pub use weld::{Welded, weld, weld_positions};
 
 /// A whole scene. Build it, then call [`Scene::finish`], which numbers the triangles and computes what is derived.
 #[derive(Clone, Debug, Default)]
@@ -59,6 +61,8 @@ pub struct Scene {
     pub origin: DVec3,
     /// Everything that the file asked for and was approximated, ignored or repaired, one sentence each.
     pub notices: Vec<Notice>,
+    /// What became a part and why, in one sentence; empty for scenes that no file brought.
+    pub partition: String,
 }
 
 /// A node of the hierarchy.

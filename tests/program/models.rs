@@ -1,4 +1,4 @@
-//! Real models: every glTF and GLB file of a folder loads, or is refused with a reason, and is drawn with every fragment
+//! Real models: every file of a folder that has one of the formats that are read loads, or is refused with a reason, and is drawn with every fragment
 //! accounted for.
 //!
 //! The folder is the one that `PELLUCID_MODELS` names, or `../shared/models` beside the project. Files below a folder
@@ -38,9 +38,11 @@ fn models(folder: &Path) -> Vec<PathBuf> {
             let path = entry.path();
             if path.is_dir() {
                 folders.push(path);
-            } else if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("glb") || e.eq_ignore_ascii_case("gltf"))
-            {
-                all.push(path);
+            } else {
+                let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
+                if ["glb", "gltf", "obj", "stl", "ply"].contains(&extension.as_str()) {
+                    all.push(path);
+                }
             }
         }
     }

@@ -60,6 +60,7 @@ pub fn simplified(scene: &Scene, budget: u64) -> Option<Scene> {
         variants: scene.variants.clone(),
         origin: scene.origin,
         notices: Vec::new(),
+        partition: scene.partition.clone(),
     })
 }
 

@@ -1,6 +1,6 @@
 //! Meshes: triangles with the attributes that are drawn, cleaned of what cannot be.
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use gltf_json::Root;
 use gltf_json::mesh::{Mode, Primitive as Source};
 use gltf_json::validation::Checked;
@@ -9,18 +9,16 @@ use rayon::prelude::*;
 use super::accessor::{Data, missing};
 use super::attributes::{self, Attributes};
 use super::steps::{Steps, settle};
-use super::{Fallible, Fault, ImportOptions, Notices, tangents};
-use crate::import::Phase;
-use crate::scene::{Material, Mesh, NoticeKind, Primitive, compute_normals, interpolated_normals, reweighted_normals};
+use super::{Fallible, Fault, ImportOptions, Notices};
+use crate::import::triangles::{UNIT, clean, compact, given_normals};
+use crate::import::{Phase, tangents};
+use crate::scene::{Material, Mesh, NoticeKind, Primitive};
 
 /// The meshes, with a default material added if a primitive needs it.
 pub(super) struct Geometry {
     pub(super) meshes: Vec<Mesh>,
     pub(super) materials: Vec<Material>,
 }
-
-/// What the length of a unit vector may be off by: a little more than bytes make of it.
-const UNIT: f64 = 2e-2;
 
 struct Context<'a> {
     data: &'a Data<'a>,
@@ -206,50 +204,8 @@ impl Context<'_> {
         place: &str,
         notices: &mut Notices,
     ) -> bool {
-        let (mut bad, mut long) = (Vec::new(), 0);
-        if let Some(accessor) = found.normals {
-            let read = |(i, &v): (usize, &u32)| {
-                let stored: [f32; 3] = accessor.numbers(v);
-                let normal = Vec3::from(stored).as_dvec3();
-                let length = normal.length();
-                // What is a unit vector but for rounding stays bit for bit.
-                if (length - 1.0).abs() < 1e-4 {
-                    return stored;
-                }
-                if !length.is_finite() || length < 1e-12 {
-                    bad.push(i);
-                    return [0.0; 3];
-                }
-                long += u64::from((length - 1.0).abs() > UNIT);
-                (normal / length).as_vec3().to_array()
-            };
-            p.normals = vertices.iter().enumerate().map(read).collect();
-        }
-        notices.count(NoticeKind::Repaired, "normals were not of unit length and were normalized", long, place);
-        let what = "normals were zero or not finite and were computed";
-        notices.count(NoticeKind::Repaired, what, bad.len() as u64, place);
-        if found.normals.is_none() || bad.len() == vertices.len() {
-            compute_normals(p, self.options.crease_angle);
-            notices.count(NoticeKind::Computed, "primitives without normals were given some", 1, place);
-            return false;
-        }
-        if !bad.is_empty() {
-            let mut smooth =
-                Primitive { positions: p.positions.clone(), triangles: p.triangles.clone(), ..Primitive::default() };
-            compute_normals(&mut smooth, 180.0);
-            for i in bad {
-                p.normals[i] = smooth.normals[i];
-            }
-        }
-        if self.options.reweight_normals && reweighted_normals(p) {
-            let what = "primitives have normals that are plain averages of their facets; they were re-weighted";
-            notices.count(NoticeKind::Computed, what, 1, place);
-        }
-        if self.options.reweight_normals && interpolated_normals(p) {
-            let what = "primitives have flat normals inside edges of curved facets; they were interpolated";
-            notices.count(NoticeKind::Computed, what, 1, place);
-        }
-        true
+        let stored = found.normals.map(|accessor| vertices.iter().map(|&v| accessor.numbers(v)).collect());
+        given_normals(p, stored, self.options, place, notices)
     }
 
     fn tangents(
@@ -289,53 +245,4 @@ impl Context<'_> {
         tangents::generate(p, map.uv_set as usize);
         notices.count(NoticeKind::Computed, "primitives with a normal map were given tangents", 1, place);
     }
-}
-
-/// Renumbers the vertices of `triangles` so that only used ones are left, in their order; gives the old number of each.
-/// All vertices are below `count`.
-fn compact(triangles: &mut [[u32; 3]], count: u64) -> Vec<u32> {
-    let mut used: Vec<u32> = triangles.as_flattened().to_vec();
-    // A table where it is not much larger than the triangles; else many small primitives on one big accessor would each
-    // pay for all of it.
-    if count <= 16 * used.len() as u64 {
-        let mut table = vec![u32::MAX; count as usize];
-        for &v in &used {
-            table[v as usize] = 0;
-        }
-        used.clear();
-        for (v, entry) in table.iter_mut().enumerate().filter(|(_, entry)| **entry == 0) {
-            *entry = used.len() as u32;
-            used.push(v as u32);
-        }
-        for v in triangles.as_flattened_mut() {
-            *v = table[*v as usize];
-        }
-    } else {
-        used.sort_unstable();
-        used.dedup();
-        for v in triangles.as_flattened_mut() {
-            *v = used.partition_point(|u| u < v) as u32;
-        }
-    }
-    used
-}
-
-/// Drops triangles with a non-finite corner or without area, and tells how many.
-fn clean(triangles: &mut Vec<[u32; 3]>, positions: &[[f32; 3]], place: &str, notices: &mut Notices) {
-    let (mut infinite, mut flat) = (0, 0);
-    triangles.retain(|t| {
-        let [a, b, c] = t.map(|v| Vec3::from(positions[v as usize]).as_dvec3());
-        if !(a.is_finite() && b.is_finite() && c.is_finite()) {
-            infinite += 1;
-            return false;
-        }
-        let (e1, e2, e3) = (b - a, c - a, c - b);
-        let longest = e1.length().max(e2.length()).max(e3.length());
-        // The differences of f32 are all but exact in f64: this is zero but for rounding, not "thin".
-        let has_area = longest > 0.0 && (e1 / longest).cross(e2 / longest).length() > 1e-14;
-        flat += u64::from(!has_area);
-        has_area
-    });
-    notices.count(NoticeKind::Repaired, "triangles with positions that are not finite were dropped", infinite, place);
-    notices.count(NoticeKind::Repaired, "triangles without area were dropped", flat, place);
 }

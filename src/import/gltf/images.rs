@@ -1,12 +1,11 @@
-//! Images: PNG, JPEG, WebP and KTX2 to RGBA, 8 bits a channel, as stored. Sizes are checked before anything is decoded.
+//! The images of a glTF file: where each comes from, and how much all of them take. `import::images` decodes PNG, JPEG and
+//! WebP, `ktx2` the rest.
 
 use std::borrow::Cow;
-use std::io::Cursor;
 use std::path::Path;
 use std::sync::Arc;
 
 use gltf_json::Root;
-use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader};
 use rayon::prelude::*;
 
 use super::accessor::Data;
@@ -15,6 +14,7 @@ use super::sources::Sources;
 use super::steps::{Steps, settle};
 use super::{Fallible, Fault, ImportOptions, Limits, Notices, ktx2, uri};
 use crate::import::Phase;
+use crate::import::images::{self, Lost, dimensions};
 use crate::scene::{Image, NoticeKind};
 
 /// The images of a file.
@@ -134,7 +134,7 @@ fn open<'a>(
     let (width, height) = if ktx2::is_ktx2(&bytes) {
         ktx2::check(&bytes, place, limits)?
     } else {
-        decoder(&bytes, place, limits)?.dimensions()
+        dimensions(&bytes, place, limits)?
     };
     let kind = kind(&bytes);
     if let Some(said) = &image.mime_type
@@ -158,60 +158,11 @@ fn kind(bytes: &[u8]) -> Option<&'static str> {
     image::guess_format(bytes).ok().map(|format| format.to_mime_type())
 }
 
-fn decoder<'a>(bytes: &'a [u8], place: &str, limits: &Limits) -> Fallible<impl ImageDecoder + 'a> {
-    let fail = |e: image::ImageError| Fault::invalid(place, format!("cannot be decoded: {e}"));
-    let mut reader = ImageReader::new(Cursor::new(bytes))
-        .with_guessed_format()
-        .map_err(|source| Fault::Io { place: place.to_owned(), source })?;
-    if !matches!(reader.format(), Some(ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::WebP)) {
-        return Err(Fault::invalid(place, "is of an unknown kind: PNG, JPEG, WebP and KTX2 are read"));
-    }
-    let mut bounds = image::Limits::default();
-    bounds.max_image_width = Some(limits.image_side);
-    bounds.max_image_height = Some(limits.image_side);
-    // 8 bytes a pixel at 16 bits a channel, and as much again for the decoder's own needs.
-    bounds.max_alloc = Some(limits.image_pixels.saturating_mul(16));
-    reader.limits(bounds.clone());
-    let mut decoder = reader.into_decoder().map_err(fail)?;
-    let (width, height) = decoder.dimensions();
-    if width.max(height) > limits.image_side {
-        return Err(Fault::limit(
-            place,
-            "pixels of width or height",
-            width.max(height).into(),
-            limits.image_side.into(),
-        ));
-    }
-    decoder.set_limits(bounds).map_err(fail)?;
-    Ok(decoder)
-}
-
-/// What of an image is not lost.
-#[derive(Default)]
-struct Lost {
-    /// It has more than 8 bits a channel.
-    deep: bool,
-    /// It brings a colour profile.
-    profile: bool,
-}
-
-/// The image, and what of it is not lost.
+/// The image, and what of it is lost.
 fn decode(bytes: &[u8], place: &str, limits: &Limits) -> Fallible<(Image, Lost)> {
     if ktx2::is_ktx2(bytes) {
         let (width, height, rgba) = ktx2::decode(bytes, place, limits)?;
         return Ok((Image { name: String::new(), width, height, rgba }, Lost::default()));
     }
-    let mut decoder = decoder(bytes, place, limits)?;
-    // A profile that cannot be read is as good as none: it is not applied anyway.
-    let profile = decoder.icc_profile().is_ok_and(|profile| profile.is_some());
-    let image =
-        DynamicImage::from_decoder(decoder).map_err(|e| Fault::invalid(place, format!("cannot be decoded: {e}")))?;
-    let color = image.color();
-    let deep = u16::from(color.bytes_per_pixel()) > u16::from(color.channel_count());
-    let rgba = image.into_rgba8();
-    let (width, height) = rgba.dimensions();
-    if width == 0 || height == 0 {
-        return Err(Fault::invalid(place, "has no pixels"));
-    }
-    Ok((Image { name: String::new(), width, height, rgba: rgba.into_raw() }, Lost { deep, profile }))
+    images::decode(bytes, place, limits)
 }

@@ -6,8 +6,8 @@
 //! One file passes through the modules in this order: `container` (GLB chunks) → `document` (JSON, place by place)
 //! → `extensions` (what is required, what is left out) → `buffers` and `uri`, `meshopt` (compressed views) → `accessor` →
 //! `sources`, `images` and `ktx2` → `materials` → `variants` → `draco` (compressed primitives) → `geometry` (with `attributes`,
-//! `tangents` and the scene's normals) → `nodes` (with `instancing`). `validator` lists what becomes of every fault that the Khronos
-//! validator knows. What is done piece by piece, in parallel, goes through `steps`, and what it holds through `budget`.
+//! `import::triangles`, `import::tangents`) → `nodes` (with `instancing`). `validator` lists what becomes of every fault that the
+//! Khronos validator knows. What is done piece by piece, in parallel, goes through `steps`, and what it holds through `budget`.
 
 mod accessor;
 mod attributes;
@@ -27,7 +27,6 @@ mod nodes;
 mod schema;
 mod sources;
 mod steps;
-mod tangents;
 mod uses;
 pub(super) mod validator;
 mod variants;

@@ -5,8 +5,9 @@
 //! which shows as a stripe of high curvature (T31). The normal that belongs there is the one between the ends'.
 
 use glam::{DVec3, Vec3};
+use rayon::prelude::*;
 
-use super::{Fans, chord, position_key};
+use super::{Fans, chord};
 use crate::scene::Primitive;
 
 /// How far, in degrees, directions may differ that count as the same.
@@ -20,26 +21,26 @@ const LONGEST_ROW: usize = 64;
 /// its normal is that plane's, and it lies between its two neighbours on a straight edge of the smooth surface. On flat faces
 /// nothing changes, because the ends have the same normal.
 pub fn interpolated_normals(primitive: &mut Primitive) -> bool {
-    if primitive.normals.len() != primitive.positions.len() {
-        return false;
+    primitive.normals.len() == primitive.positions.len() && {
+        let fans = Fans::with_normals(primitive);
+        interpolated(primitive, &fans)
     }
-    let fans = Fans::new(primitive, |p, v| {
-        let ([a, b, c], [d, e, f]) = (position_key(p.positions[v]), position_key(p.normals[v]));
-        [a, b, c, d, e, f]
-    });
+}
+
+pub(super) fn interpolated(primitive: &mut Primitive, fans: &Fans) -> bool {
     let same = chord(SAME_DIRECTION);
     let vertex_of = |corner: u32| primitive.triangles[corner as usize / 3][corner as usize % 3] as usize;
-    let stored: Vec<Option<DVec3>> = fans
-        .iter()
-        .map(|corners| {
-            let &corner = corners.first()?;
+    let stored: Vec<Option<DVec3>> = (0..fans.len())
+        .into_par_iter()
+        .map(|point| {
+            let &corner = fans.corners_of(point).first()?;
             Vec3::from(primitive.normals[vertex_of(corner)]).as_dvec3().try_normalize()
         })
         .collect();
-    let inserted: Vec<Option<[usize; 2]>> = fans
-        .iter()
-        .enumerate()
-        .map(|(point, corners)| {
+    let inserted: Vec<Option<[usize; 2]>> = (0..fans.len())
+        .into_par_iter()
+        .map(|point| {
+            let corners = fans.corners_of(point);
             let plane = fans.normal(*corners.first()?);
             let normal = stored[point]?;
             let flat = corners.iter().all(|&c| fans.normal(c).distance(plane) <= same);

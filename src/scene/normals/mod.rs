@@ -10,13 +10,14 @@
 
 mod inserted;
 
+use inserted::interpolated;
 pub use inserted::interpolated_normals;
 
-use std::collections::HashMap;
-
 use glam::{DVec3, Vec3};
+use rayon::prelude::*;
 
 use super::Primitive;
+use super::weld::{Welded, bits, weld, weld_positions};
 
 /// How far, in degrees, a file's normal may be from an average to count as that average.
 const AVERAGE_TOLERANCE: f64 = 0.5;
@@ -28,6 +29,10 @@ const SAME_NORMAL: f64 = 0.01;
 const SAME_PLANE: f64 = 1.0 - 1e-9;
 /// Above this many facets at a vertex coplanar ones are not looked for (the search is quadratic).
 const PLANE_SEARCH: usize = 64;
+/// So many vertices are told apart at one point.
+const MOST_GROUPS: usize = 256;
+/// Points that one thread takes at a time.
+const POINTS_AT_ONCE: usize = 4096;
 
 /// Computes the normals of a primitive from its triangles and replaces what it had.
 ///
@@ -38,18 +43,59 @@ const PLANE_SEARCH: usize = 64;
 /// vertex was split or had other normals, since they belong to the old ones. Triangles that name a missing vertex are
 /// ignored.
 pub fn compute_normals(primitive: &mut Primitive, crease_angle: f64) {
-    let fans = Fans::new(primitive, |p, v| position_key(p.positions[v]));
+    let fans = Fans::new(primitive, weld_positions(&primitive.positions));
     let cos_crease = crease_angle.clamp(0.0, 180.0).to_radians().cos() - 1e-12;
     primitive.tangents.clear();
     primitive.normals.clear();
     primitive.normals.resize(primitive.positions.len(), [0.0, 0.0, 1.0]);
 
-    // Which vertex of the result stands for (vertex of the file, group at its point).
+    // The group of every corner, by number inside its point, and its normal: each point by itself, so in parallel.
+    let mut groups = vec![(0_u32, [0.0_f32; 3]); fans.corners.len()];
+    fans.each_point(&mut groups, |corners, groups, scratch| scratch.group(&fans, corners, cos_crease, groups));
     let mut used = vec![false; primitive.positions.len()];
-    let mut edges: Vec<(u32, usize)> = Vec::new();
-    let mut group: Vec<usize> = Vec::new();
-    let mut made: HashMap<(u32, usize), u32> = HashMap::new();
+    // Which vertex of the result stands for (vertex of the file, group at its point).
+    let mut made: Vec<(u32, u32, u32)> = Vec::new();
+    let mut groups = groups.iter();
     for corners in fans.iter() {
+        made.clear();
+        for (&corner, &(group, normal)) in corners.iter().zip(&mut groups) {
+            let (triangle, place) = (corner as usize / 3, corner as usize % 3);
+            let vertex = primitive.triangles[triangle][place];
+            let index = match made.iter().find(|m| (m.0, m.1) == (vertex, group)) {
+                Some(known) => known.2,
+                None => {
+                    let index = if std::mem::replace(&mut used[vertex as usize], true) {
+                        primitive.normals.push(normal);
+                        duplicate(primitive, vertex as usize)
+                    } else {
+                        primitive.normals[vertex as usize] = normal;
+                        vertex
+                    };
+                    // A point where thousands of groups meet would be searched for ever; there, vertices are not shared.
+                    if made.len() < MOST_GROUPS {
+                        made.push((vertex, group, index));
+                    }
+                    index
+                }
+            };
+            primitive.triangles[triangle][place] = index;
+        }
+    }
+}
+
+/// Lists for the corners around one point, kept from point to point.
+#[derive(Default)]
+struct Scratch {
+    group: Vec<usize>,
+    edges: Vec<(u32, usize)>,
+    sums: Vec<DVec3>,
+}
+
+impl Scratch {
+    /// Groups the corners around a point that are joined by edges smoother than the crease; writes for each corner its group
+    /// and the group's normal.
+    fn group(&mut self, fans: &Fans, corners: &[u32], cos_crease: f64, groups: &mut [(u32, [f32; 3])]) {
+        let Scratch { group, edges, sums } = self;
         group.clear();
         group.extend(0..corners.len());
         edges.clear();
@@ -62,34 +108,26 @@ pub fn compute_normals(primitive: &mut Primitive, crease_angle: f64) {
             for (k, &(_, i)) in run.iter().enumerate() {
                 for &(_, j) in run.iter().skip(k + 1).take(PLANE_SEARCH) {
                     if fans.normal(corners[i]).dot(fans.normal(corners[j])) >= cos_crease {
-                        let (a, b) = (root_of(&mut group, i), root_of(&mut group, j));
+                        let (a, b) = (root_of(group, i), root_of(group, j));
                         group[a.max(b)] = a.min(b);
                     }
                 }
             }
         }
-        let mut sums = vec![DVec3::ZERO; corners.len()];
+        sums.clear();
+        sums.resize(corners.len(), DVec3::ZERO);
         for (i, &corner) in corners.iter().enumerate() {
-            let root = root_of(&mut group, i);
-            sums[root] += fans.max_weighted(corner);
+            sums[root_of(group, i)] += fans.max_weighted(corner);
         }
-        made.clear();
         for (i, &corner) in corners.iter().enumerate() {
-            let root = root_of(&mut group, i);
-            let (triangle, place) = (corner as usize / 3, corner as usize % 3);
-            let vertex = primitive.triangles[triangle][place];
-            let index = *made.entry((vertex, root)).or_insert_with(|| {
-                let normal = sums[root].try_normalize().unwrap_or(fans.normal(corner));
-                let normal = normal.as_vec3().to_array();
-                if std::mem::replace(&mut used[vertex as usize], true) {
-                    primitive.normals.push(normal);
-                    duplicate(primitive, vertex as usize)
-                } else {
-                    primitive.normals[vertex as usize] = normal;
-                    vertex
-                }
-            });
-            primitive.triangles[triangle][place] = index;
+            let root = root_of(group, i);
+            // A root is the first corner of its group, so its normal is known before the others'.
+            let normal = if root == i {
+                sums[root].try_normalize().unwrap_or(fans.normal(corner)).as_vec3().to_array()
+            } else {
+                groups[root].1
+            };
+            groups[i] = (root as u32, normal);
         }
     }
 }
@@ -103,13 +141,24 @@ pub fn compute_normals(primitive: &mut Primitive, crease_angle: f64) {
 /// left alone, bit for bit, as are all normals of a primitive where no average fits: analytic ones, custom ones, flat
 /// shading.
 pub fn reweighted_normals(primitive: &mut Primitive) -> bool {
-    if primitive.normals.len() != primitive.positions.len() {
-        return false;
+    primitive.normals.len() == primitive.positions.len() && {
+        let fans = Fans::with_normals(primitive);
+        reweighted(primitive, &fans)
     }
-    let fans = Fans::new(primitive, |p, v| {
-        let ([a, b, c], [d, e, f]) = (position_key(p.positions[v]), position_key(p.normals[v]));
-        [a, b, c, d, e, f]
-    });
+}
+
+/// [`reweighted_normals`], then [`interpolated_normals`]; says which of them changed anything. The triangles around vertices are
+/// looked for once if the first does not.
+pub fn mended_normals(primitive: &mut Primitive) -> [bool; 2] {
+    if primitive.normals.len() != primitive.positions.len() {
+        return [false; 2];
+    }
+    let fans = Fans::with_normals(primitive);
+    let first = reweighted(primitive, &fans);
+    [first, if first { interpolated_normals(primitive) } else { interpolated(primitive, &fans) }]
+}
+
+fn reweighted(primitive: &mut Primitive, fans: &Fans) -> bool {
     let tolerance = chord(AVERAGE_TOLERANCE);
     // Over the points: the file's normal, the Max-weighted one, the distances (as chords) of the four averages.
     struct Point {
@@ -117,9 +166,11 @@ pub fn reweighted_normals(primitive: &mut Primitive) -> bool {
         to_max: f64,
         to_average: [f64; 4],
     }
-    let mut points: Vec<Option<Point>> = Vec::with_capacity(fans.len());
-    for corners in fans.iter() {
-        let point = corners.first().and_then(|&corner| {
+    let points: Vec<Option<Point>> = (0..fans.len())
+        .into_par_iter()
+        .map(|point| {
+            let corners = fans.corners_of(point);
+            let &corner = corners.first()?;
             let vertex = primitive.triangles[corner as usize / 3][corner as usize % 3] as usize;
             let stored = Vec3::from(primitive.normals[vertex]).as_dvec3().try_normalize()?;
             let max = corners.iter().map(|&c| fans.max_weighted(c)).sum::<DVec3>().try_normalize()?;
@@ -128,9 +179,8 @@ pub fn reweighted_normals(primitive: &mut Primitive) -> bool {
             let to_average =
                 fans.averages(corners).map(|a| a.try_normalize().map_or(2.0, |a| (a * sign).distance(stored)));
             Some(Point { max: max * sign, to_max: (max * sign).distance(stored), to_average })
-        });
-        points.push(point);
-    }
+        })
+        .collect();
     let known = points.iter().flatten().count();
     if known == 0 {
         return false;
@@ -167,11 +217,6 @@ pub fn reweighted_normals(primitive: &mut Primitive) -> bool {
 /// The length of the chord between two unit vectors that are `degrees` apart.
 fn chord(degrees: f64) -> f64 {
     2.0 * (degrees.to_radians() * 0.5).sin()
-}
-
-/// The bits of a position or normal, with −0 and +0 the same.
-fn position_key(p: [f32; 3]) -> [u32; 3] {
-    p.map(|c| if c == 0.0 { 0 } else { c.to_bits() })
 }
 
 /// Copies all attributes of `vertex` but its normal to the end; gives the new index.
@@ -212,30 +257,33 @@ struct Fans {
 }
 
 impl Fans {
-    /// Welds the vertices that have the same key. Triangles without area, or with a missing vertex, have no corners.
-    fn new<K: std::hash::Hash + Eq>(primitive: &Primitive, key: impl Fn(&Primitive, usize) -> K) -> Fans {
-        let mut ids: HashMap<K, u32> = HashMap::with_capacity(primitive.positions.len());
-        let mut positions = Vec::new();
-        let point_of_vertex: Vec<u32> = (0..primitive.positions.len())
-            .map(|v| {
-                *ids.entry(key(primitive, v)).or_insert_with(|| {
-                    positions.push(Vec3::from(primitive.positions[v]).as_dvec3());
-                    positions.len() as u32 - 1
-                })
-            })
-            .collect();
+    /// The vertices that have the same position and normal are one point.
+    fn with_normals(primitive: &Primitive) -> Fans {
+        let welded = weld(primitive.positions.len(), |v| {
+            let ([a, b, c], [d, e, f]) = (bits(primitive.positions[v]), bits(primitive.normals[v]));
+            [a, b, c, d, e, f]
+        });
+        Fans::new(primitive, welded)
+    }
+
+    /// The fans of welded vertices. Triangles without area, or with a missing vertex, have no corners.
+    fn new(primitive: &Primitive, welded: Welded) -> Fans {
+        let positions: Vec<DVec3> =
+            welded.firsts.par_iter().map(|&v| Vec3::from(primitive.positions[v as usize]).as_dvec3()).collect();
         let mut points = vec![u32::MAX; primitive.triangles.len() * 3];
         let mut normals = vec![DVec3::ZERO; primitive.triangles.len()];
-        let mut starts = vec![0_u32; positions.len() + 1];
-        for (t, triangle) in primitive.triangles.iter().enumerate() {
-            let [Some(&a), Some(&b), Some(&c)] = triangle.map(|v| point_of_vertex.get(v as usize)) else { continue };
+        let each = points.par_chunks_exact_mut(3).zip(&mut normals).zip(&primitive.triangles);
+        each.for_each(|((points, normal), triangle)| {
+            let [Some(&a), Some(&b), Some(&c)] = triangle.map(|v| welded.ids.get(v as usize)) else { return };
             let [p, q, r] = [a, b, c].map(|i| positions[i as usize]);
-            let Some(normal) = (q - p).cross(r - p).try_normalize() else { continue };
-            normals[t] = normal;
-            for (place, point) in [a, b, c].into_iter().enumerate() {
-                points[3 * t + place] = point;
-                starts[point as usize + 1] += 1;
+            if let Some(n) = (q - p).cross(r - p).try_normalize() {
+                *normal = n;
+                points.copy_from_slice(&[a, b, c]);
             }
+        });
+        let mut starts = vec![0_u32; positions.len() + 1];
+        for &point in points.iter().filter(|&&p| p != u32::MAX) {
+            starts[point as usize + 1] += 1;
         }
         for i in 1..starts.len() {
             starts[i] += starts[i - 1];
@@ -251,8 +299,36 @@ impl Fans {
         Fans { starts, corners, points, positions, normals }
     }
 
+    /// Calls `each` with the corners of every point and the slots of `out` that belong to them, in parallel. `out` has one slot
+    /// a corner.
+    fn each_point<T: Send>(&self, out: &mut [T], each: impl Fn(&[u32], &mut [T], &mut Scratch) + Sync) {
+        let mut pieces = Vec::new();
+        let mut rest = out;
+        for starts in self.starts[..self.len()].chunks(POINTS_AT_ONCE) {
+            let first = pieces.len() * POINTS_AT_ONCE;
+            let last = first + starts.len();
+            let (piece, after) = rest.split_at_mut((self.starts[last] - self.starts[first]) as usize);
+            pieces.push((first..last, piece));
+            rest = after;
+        }
+        pieces.into_par_iter().for_each(|(points, mut piece)| {
+            let mut scratch = Scratch::default();
+            for point in points {
+                let corners = self.corners_of(point);
+                let (own, after) = piece.split_at_mut(corners.len());
+                each(corners, own, &mut scratch);
+                piece = after;
+            }
+        });
+    }
+
     fn len(&self) -> usize {
         self.positions.len()
+    }
+
+    /// The corners around a point, in triangle order.
+    fn corners_of(&self, point: usize) -> &[u32] {
+        &self.corners[self.starts[point] as usize..self.starts[point + 1] as usize]
     }
 
     /// The corners around each point, in triangle order.
@@ -342,7 +418,7 @@ mod tests {
 
     fn averaged(p: &mut Primitive, which: usize) {
         p.normals = vec![[0.0; 3]; p.positions.len()];
-        let fans = Fans::new(p, |p, v| position_key(p.positions[v]));
+        let fans = Fans::new(p, weld_positions(&p.positions));
         for (v, corners) in fans.iter().enumerate() {
             p.normals[v] = fans.averages(corners)[which].normalize().as_vec3().to_array();
         }

@@ -11,7 +11,7 @@ fn text(json: &Value) -> Result<Scene, String> {
 
 #[track_caller]
 fn bad_bytes(bytes: &[u8], part: &str) {
-    let error = load_bytes(bytes, "test", None).expect_err("is refused").to_string();
+    let error = load_bytes(bytes, "test.glb", None).expect_err("is refused").to_string();
     assert!(error.contains(part), "{error}");
 }
 
@@ -160,8 +160,8 @@ fn files_beside_the_model_and_nowhere_else() {
 
 #[test]
 fn unknown_kinds_and_missing_files() {
-    let error = load(std::path::Path::new("model.obj")).unwrap_err().to_string();
-    assert!(error.contains(".gltf and .glb"), "{error}");
+    let error = load_bytes(b"no model", "model.txt", None).unwrap_err().to_string();
+    assert!(error.contains("glTF, GLB, OBJ, STL and PLY are read"), "{error}");
     let error = load(std::path::Path::new("absent.glb")).unwrap_err();
     assert!(matches!(error, ImportError::Io { .. }), "{error}");
 }

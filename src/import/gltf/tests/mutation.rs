@@ -57,6 +57,7 @@ pub(super) fn options() -> ImportOptions {
         image_pixels: 1 << 12,
         node_depth: 32,
         instances: 64,
+        ..Limits::default()
     };
     ImportOptions { limits, ..ImportOptions::default() }
 }

@@ -1,0 +1,7 @@
+//! Bytes as a file called `.ply`.
+
+#![no_main]
+
+mod shared;
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| shared::read(bytes, "input.ply"));
