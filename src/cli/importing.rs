@@ -9,8 +9,8 @@ use crate::session::{Importing, Limit, count, crease_angle, parts_named};
 #[derive(Args, Clone, Debug, Default, PartialEq)]
 #[command(next_help_heading = "Import")]
 pub struct ImportArgs {
-    /// What becomes a part: node (what the file names), material, component (connected triangles), file, or auto (what suits
-    /// the format)
+    /// What becomes a part: node (what the file names), material, component (connected triangles), file, or auto: what suits
+    /// the format
     #[arg(long, value_name = "BY", value_parser = parts)]
     pub parts: Option<Parts>,
     /// Show this material variant of the file, by name
@@ -19,7 +19,7 @@ pub struct ImportArgs {
     /// Smooth missing normals over edges that turn by at most this angle [default: 30]
     #[arg(long, value_name = "DEGREES", value_parser = crease_angle)]
     pub crease_angle: Option<f64>,
-    /// Take at most this much: bytes, vertices, triangles, image_side, image_pixels or node_depth, as in bytes=8G
+    /// Take at most this much, as in bytes=8G or triangles=1M; `pellucid config` lists the limits
     #[arg(long, value_name = "NAME=VALUE", value_parser = limit)]
     pub limit: Vec<(String, u64)>,
 }

@@ -17,7 +17,7 @@
 //! limits.bytes = "8G"
 //!
 //! [converters]                  # from an ending to a program
-//! step = "my-converter {in} {out}"
+//! step = "gmsh {in} -2 -clcurv 20 -format stl -o {out.stl}"
 //! ```
 //!
 //! Files are read in the order in which they count, least first: those of the system (`pellucid/config.toml` below each folder
@@ -398,11 +398,9 @@ fn checked(key: &str, value: Value, path: &Path) -> Result<Value, String> {
         }
         ("import", _) => unknown(&["parts", "crease_angle", "limits"]),
         ("converters", ending) => match value.as_str() {
-            Some(line) if line.contains("{in}") && line.contains("{out}") && ending == ending.to_lowercase() => {
-                Ok(value)
-            }
+            Some(line) if line.contains("{in}") && writes(line) && ending == ending.to_lowercase() => Ok(value),
             Some(_) if ending != ending.to_lowercase() => Err(format!("{key}: endings are written in lower case")),
-            _ => expected("a command line with {in} and {out} in it"),
+            _ => expected("a command line with {in} and {out} in it, or {out.stl} and the like"),
         },
         _ => {
             let hint = nearest(room, ["settings", "render", "import", "converters"]);
@@ -410,6 +408,11 @@ fn checked(key: &str, value: Value, path: &Path) -> Result<Value, String> {
             Err(format!("no key is called '{room}'{hint}"))
         }
     }
+}
+
+/// Whether a converter's line says where it writes: `{out}`, or with an ending, as `{out.stl}`.
+fn writes(line: &str) -> bool {
+    line.contains("{out}") || line.contains("{out.")
 }
 
 fn number(value: &Value) -> Option<f64> {
@@ -469,7 +472,7 @@ mod tests {
         let first =
             "[settings]\nopacity.gain = 2\nopacity.constant = 0.5\n[import]\nlimits.bytes = '1M'\nparts = 'file'\n";
         all.add(Path::new("/a/one.toml"), first).unwrap();
-        let second = "settings.opacity.gain = 3\n[import]\nlimits.triangles = 9\ncrease_angle = 40\n[converters]\nstep = 'x {in} {out}'\n\
+        let second = "settings.opacity.gain = 3\n[import]\nlimits.triangles = 9\ncrease_angle = 40\n[converters]\nstep = 'x {in} {out.stl}'\n\
                       [render]\nsize = '64x32'\nsamples = 3\npreset = 'plain'\nbits = 16\n";
         all.add(Path::new("/b/two.toml"), second).unwrap();
         let settings = all.settings();
@@ -477,7 +480,7 @@ mod tests {
         let options = all.import_options();
         assert_eq!((options.parts, options.crease_angle), (Some(PartsBy::File), 40.0));
         assert_eq!((options.limits.bytes, options.limits.triangles), (1 << 20, 9));
-        assert_eq!(options.converters, [("step".to_owned(), "x {in} {out}".to_owned())].into());
+        assert_eq!(options.converters, [("step".to_owned(), "x {in} {out.stl}".to_owned())].into());
         assert_eq!((all.size(), all.bits()), ([64, 32], 16));
         // The preset says 0.3, [settings] counts more; another preset takes its place.
         let picture = all.picture_settings(true);
@@ -489,7 +492,7 @@ mod tests {
             "settings.opacity.constant = 0.5  # /a/one.toml:3\n",
             "settings.opacity.ghost = 0.06  # built in\n",
             "import.limits.bytes = \"1M\"  # /a/one.toml:5\n",
-            "converters.step = \"x {in} {out}\"  # /b/two.toml:6\n",
+            "converters.step = \"x {in} {out.stl}\"  # /b/two.toml:6\n",
         ] {
             assert!(listing.contains(line), "{line}: {listing}");
         }
