@@ -92,7 +92,8 @@ fn a_wrong_command_line_exits_with_2() {
     place.fails(2, "render boxes.glb -o a.png --stats a.png", &["the same file"]);
     place.fails(2, "render builtin:no-such-scene -o a.png", &["no-such-scene", "gearbox"]);
     place.fails(2, "render builtin:gearbx -o a.png", &["did you mean 'gearbox'"]);
-    place.fails(2, "boxes.glb render boxes.glb -o a.png", &["boxes.glb", "before the command"]);
+    place.fails(2, "boxes.glb render boxes.glb", &["render", "no such command"]);
+    place.fails(2, "boxes.glb --no-config render boxes.glb -o a.png", &["boxes.glb", "before the command"]);
     place.fails(2, "bench", &["buckets", "frame", "illustration", "flicker"]);
     assert!(!place.path("a.png").exists() && !place.path("a.jpg").exists());
 }

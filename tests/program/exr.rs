@@ -58,7 +58,7 @@ fn an_exr_is_the_picture_before_it_is_encoded() {
     let look = "--size 32x24 --background #ff8000";
     place.done(&format!("render boxes.glb -o a.png {look}"));
     let run = place.done(&format!("render boxes.glb -o a.exr {look}"));
-    assert!(run.out.is_empty() && run.err.lines().count() == 1, "{}", run.err);
+    assert!(run.out.is_empty() && run.err.contains("32×24") && !run.err.contains("layers are written"), "{}", run.err);
     let bytes = std::fs::read(place.path("a.exr")).unwrap();
     let image = read_exr(&bytes).unwrap();
     assert_eq!((image.width, image.height), (32, 24));
@@ -158,10 +158,10 @@ fn bands_are_collected_and_limits_are_counted() {
     place.done("render boxes.glb -o whole.exr --layers --size 24x24");
     // A list that holds little makes many bands.
     let memory = "--capture linked_list --set capture.linked_list.memory=1";
-    let run = place.done(&format!("render boxes.glb -o banded.exr --layers --size 300x300 {memory} --stats s.json"));
+    let run = place.done(&format!("render boxes.glb -o banded.exr --layers --size 220x220 {memory} --stats s.json"));
     let stats: serde_json::Value = serde_json::from_slice(&std::fs::read(place.path("s.json")).unwrap()).unwrap();
     assert!(stats["pictures"][0]["bands"].as_u64() > Some(1), "{}", run.err);
-    place.done("render boxes.glb -o one.exr --layers --size 300x300");
+    place.done("render boxes.glb -o one.exr --layers --size 220x220");
     let [banded, one] = ["banded.exr", "one.exr"].map(|f| parts(&std::fs::read(place.path(f)).unwrap()));
     assert_eq!(banded.len(), one.len());
     for (a, b) in banded.iter().zip(&one).skip(1) {

@@ -80,7 +80,7 @@ fn a_picture_follows_its_files_and_ends_when_told() {
     };
     transfer("0.2");
     let mut watching = Watching::begin(&place, "render boxes.glb -o a.png --size 32x32 --transfer look.toml --watch");
-    assert!(watching.line().contains("boxes.glb: 32×32"));
+    watching.until("boxes.glb: 32×32");
     let first = read(&place.path("a.png"));
     // The picture that it wrote itself, and a file that has nothing to do with it, are no reason for another one.
     place.write("other.txt", b"something");
