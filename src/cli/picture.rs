@@ -181,6 +181,7 @@ pub fn run(args: &RenderArgs, configuration: &Configuration) -> Result<(), Failu
     if let Some(output) = &args.output {
         output::write(output, &bytes)?;
     }
+    drawn.say(&progress);
     let verdict = match (&args.reference, reference) {
         (Some(path), Some(reference)) => {
             let written = match encoding.format {
@@ -231,6 +232,8 @@ pub struct Drawn {
     layers: Option<Layers>,
     facts: Facts,
     stats: Stats,
+    /// What is said when the picture is where it belongs, a line for each that was drawn.
+    summaries: Vec<String>,
 }
 
 impl Drawn {
@@ -247,6 +250,13 @@ impl Drawn {
                 let layers: &[LayerImage] = self.layers.as_ref().map_or(&[], |l| &l.images);
                 write_exr(&self.image, layers, encoding.bits, &self.facts).map_err(|e| Failure::of(Exit::General, &e))
             }
+        }
+    }
+
+    /// Says what became of the layers, when the picture is where it belongs.
+    pub fn say(&self, progress: &Progress) {
+        for line in &self.summaries {
+            progress.say(line);
         }
     }
 
@@ -334,9 +344,6 @@ pub fn draw(
         }
         studio.remarks = remarks;
     }
-    for line in &summaries {
-        progress.say(line);
-    }
     let image =
         if side_by_side { LinearImage::side_by_side(&images, (size[0] / 100).max(1)) } else { images.remove(0) };
     let facts = match encoding.format {
@@ -344,7 +351,7 @@ pub fn draw(
         Format::Png => Facts::default(),
     };
     let stats = Stats { file, size, timing, pictures, choice: chosen, difference: None };
-    Ok(Some(Drawn { image, background, layers, facts, stats }))
+    Ok(Some(Drawn { image, background, layers, facts, stats, summaries }))
 }
 
 /// What a user has to know of layers in a file, a sentence each.
@@ -384,22 +391,20 @@ fn about_layers(layers: &Layers, report: &FrameReport, settings: &Settings, sele
 
 /// What stands beside the pixels of an EXR: what would be drawn again, and the names of the parts that are there.
 fn facts(seen: &SavedSession, scene: &Scene, layers: Option<&Layers>) -> Facts {
-    let mut texts = vec![
-        ("pellucid:file".to_owned(), seen.file.clone()),
-        ("pellucid:background".to_owned(), seen.settings.image.background.clone()),
-    ];
-    // A session that cannot be written down is missing, and no reason for having no picture.
-    texts.extend(seen.to_toml(scene).ok().map(|text| ("pellucid:session".to_owned(), text)));
-    if let Some(layers) = layers {
+    let names_of = |layers: &Layers| {
         let mut parts: Vec<u32> = layers.images.iter().flat_map(|l| &l.part).copied().collect();
         parts.sort_unstable();
         parts.dedup();
         let names = PartNames::new(scene);
-        let lines = parts.iter().filter_map(|&p| Some(format!("{p} {}\n", names.path(p)?)));
-        texts.push(("pellucid:parts".to_owned(), lines.collect()));
+        parts.iter().filter_map(|&p| Some(format!("{p} {}\n", names.path(p)?))).collect()
+    };
+    Facts {
+        background: seen.settings.image.background.clone(),
+        // A session that cannot be written down is missing, and no reason for having no picture.
+        session: seen.to_toml(scene).ok(),
+        parts: layers.map(names_of).unwrap_or_default(),
+        world_to_camera: Some(seen.camera.view_from_world().as_mat4().to_cols_array()),
     }
-    let matrix = seen.camera.view_from_world().as_mat4().to_cols_array();
-    Facts { texts, world_to_camera: Some(matrix) }
 }
 
 #[cfg(test)]

@@ -171,7 +171,9 @@ fn once(
     let drawn = draw(args, asked, encoding, studio, &progress).and_then(|drawn| match drawn {
         Some(drawn) => {
             output::write(target, &drawn.bytes(encoding)?)?;
-            drawn.write_stats(args)
+            drawn.write_stats(args)?;
+            drawn.say(&progress);
+            Ok(())
         }
         None => Ok(()),
     });

@@ -2,7 +2,7 @@
 //!
 //! What is stored is what the renderer computed: linear light with Rec. 709 primaries, premultiplied, as floats of 16 or 32
 //! bits, neither encoded as sRGB nor clamped, and without the background, which stands in the attribute
-//! `pellucid:background`. The first part of a file is the picture (channels `R`, `G`, `B`, `A`). With layers, a part follows
+//! `pellucid:background`. Rows are stored as scan lines. The first part of a file is the picture (channels `R`, `G`, `B`, `A`). With layers, a part follows
 //! for each index, `layer.0` the nearest of every pixel, and holds the smallest rectangle that has such layers as its data
 //! window:
 //!
@@ -24,8 +24,8 @@
 use std::io::Cursor;
 
 use exr::prelude::{
-    AnyChannel, AnyChannels, AttributeValue, Compression, Encoding, FlatSamples, Image, ImageAttributes, IntegerBounds,
-    Layer, LayerAttributes, LineOrder, ReadChannels, ReadLayers, Text, Vec2, WritableImage, read,
+    AnyChannel, AnyChannels, AttributeValue, Blocks, Compression, Encoding, FlatSamples, Image, ImageAttributes,
+    IntegerBounds, Layer, LayerAttributes, LineOrder, ReadChannels, ReadLayers, Text, Vec2, WritableImage, read,
 };
 use half::f16;
 
@@ -68,11 +68,16 @@ pub enum ExrError {
     Codec(#[from] exr::error::Error),
 }
 
-/// What stands beside the pixels.
+/// What stands beside the pixels. Each text is the only attribute of its own in its header: the crate keeps them in no order,
+/// and the same picture is to be the same file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Facts {
-    /// Attributes by name, as text.
-    pub texts: Vec<(String, String)>,
+    /// The background: attribute `pellucid:background` of every part.
+    pub background: String,
+    /// A session that draws the picture again: `pellucid:session` of the picture.
+    pub session: Option<String>,
+    /// Numbers and names of the parts that are seen, a line each: `pellucid:parts` of the first layer.
+    pub parts: String,
     /// From the file's coordinates to the camera's: standard attribute `worldToCamera`, columns one after the other.
     pub world_to_camera: Option<[f32; 16]>,
 }
@@ -106,16 +111,13 @@ pub fn write_exr(picture: &LinearImage, layers: &[LayerImage], bits: u8, facts: 
         attributes.software_name = Text::new_or_none(concat!("pellucid ", env!("CARGO_PKG_VERSION")));
         attributes.world_to_camera = facts.world_to_camera;
         let compression = Compression::ZIP16;
-        let encoding = Encoding { compression, line_order: LineOrder::Increasing, ..Encoding::FAST_LOSSLESS };
+        let encoding = Encoding { compression, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
         let size = (size[0] as usize, size[1] as usize);
         Layer::new(size, attributes, encoding, AnyChannels::sort(channels.into()))
     };
     let mut parts = vec![part("picture", [0, 0], [width, height], colors(&picture.pixels))];
-    for (text, value) in &facts.texts {
-        // Text of an attribute is UTF-8 by the format; the crate checks for Latin 1 only.
-        if let (Some(name), value) = (Text::new_or_none(text), Text::from_slice_unchecked(value.as_bytes())) {
-            parts[0].attributes.other.insert(name, AttributeValue::Text(value));
-        }
+    if let Some(session) = &facts.session {
+        parts[0].attributes.other.insert("pellucid:session".into(), text(session));
     }
     for (i, layer) in layers.iter().enumerate() {
         let mut channels = colors(&layer.color);
@@ -127,11 +129,21 @@ pub fn write_exr(picture: &LinearImage, layers: &[LayerImage], bits: u8, facts: 
         channels.push(AnyChannel::new("kappa", floats(&mut layer.kappa.iter().copied())));
         parts.push(part(&format!("layer.{i}"), layer.corner, layer.size, channels));
     }
+    if let Some(first) = parts.get_mut(1) {
+        first.attributes.other.insert("pellucid:parts".into(), text(&facts.parts));
+    }
     let window = IntegerBounds::new((0, 0), (width as usize, height as usize));
-    let image = Image::from_layers(ImageAttributes::new(window), parts);
+    let mut attributes = ImageAttributes::new(window);
+    attributes.other.insert("pellucid:background".into(), text(&facts.background));
+    let image = Image::from_layers(attributes, parts);
     let mut out = Cursor::new(Vec::new());
     image.write().to_buffered(&mut out)?;
     Ok(out.into_inner())
+}
+
+/// Text of an attribute. It is UTF-8 by the format; the crate's own conversion takes Latin 1 only.
+fn text(value: &str) -> AttributeValue {
+    AttributeValue::Text(Text::from_slice_unchecked(value.as_bytes()))
 }
 
 /// Decodes the picture of an EXR file: premultiplied linear light. Without `A` it is opaque; outside its data window it is
@@ -218,7 +230,9 @@ mod tests {
         (layer.depth[1], layer.part[1], layer.normal[1]) = (2.5, 7, [0.0, 0.6, 0.8]);
         (layer.kappa[1], layer.color[1]) = (-0.5, [0.1, 0.2, 0.3, 0.4]);
         let facts = Facts {
-            texts: vec![("pellucid:background".to_owned(), "#102030".to_owned())],
+            background: "#102030".to_owned(),
+            session: Some("file = 'Zahnräder.glb'".to_owned()),
+            parts: "7 gear\n".to_owned(),
             world_to_camera: Some(std::array::from_fn(|i| i as f32)),
         };
         let bytes = write_exr(&picture(), std::slice::from_ref(&layer), 32, &facts).unwrap();
@@ -234,8 +248,16 @@ mod tests {
         let parts: Vec<_> = image.layer_data.iter().collect();
         assert_eq!(parts.len(), 2);
         assert_eq!(parts[0].attributes.world_to_camera, facts.world_to_camera);
-        let named = Text::new_or_none("pellucid:background").unwrap();
-        assert_eq!(parts[0].attributes.other[&named], AttributeValue::Text("#102030".into()));
+        for (part, name, value) in [
+            (0, "pellucid:background", &facts.background),
+            (1, "pellucid:background", &facts.background),
+            (0, "pellucid:session", facts.session.as_ref().unwrap()),
+            (1, "pellucid:parts", &facts.parts),
+        ] {
+            assert_eq!(parts[part].attributes.other[&Text::from(name)], text(value), "{name}");
+        }
+        let again = write_exr(&picture(), std::slice::from_ref(&layer), 32, &facts).unwrap();
+        assert!(again == bytes, "the same picture is the same file");
         assert_eq!(parts[1].attributes.layer_name, Some("layer.0".into()));
         assert_eq!((parts[1].attributes.layer_position, parts[1].size), (Vec2(1, 2), Vec2(2, 1)));
         let value = |name: &str, at: usize| {
