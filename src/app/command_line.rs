@@ -14,15 +14,16 @@ use super::loader::{HARD_CASE, MADE_IN_MEMORY};
 use crate::math::views::VIEW_ANGLE;
 use crate::math::{Camera, Projection};
 use crate::scene::{Arrangement, PartStyle, Presence, Scene, Section};
+use crate::session::configuration::Configuration;
 use crate::session::{PartNames, camera_in_file};
 use crate::settings::Settings;
 
-/// The command that renders what is seen in a picture of this size.
+/// The command that renders what is seen in a picture of this size, whether or not `configuration` is there.
 ///
 /// # Errors
 /// A sentence where no options say it.
-pub fn of(document: &Document, size: [u32; 2]) -> Result<String, String> {
-    let words: Vec<String> = words(document, size)?.iter().map(|word| quoted(word)).collect();
+pub fn of(document: &Document, configuration: &Configuration, size: [u32; 2]) -> Result<String, String> {
+    let words: Vec<String> = words(document, configuration, size)?.iter().map(|word| quoted(word)).collect();
     Ok(words.join(" "))
 }
 
@@ -30,7 +31,7 @@ pub fn of(document: &Document, size: [u32; 2]) -> Result<String, String> {
 ///
 /// # Errors
 /// As [`of`].
-pub fn words(document: &Document, size: [u32; 2]) -> Result<Vec<String>, String> {
+pub fn words(document: &Document, configuration: &Configuration, size: [u32; 2]) -> Result<Vec<String>, String> {
     let seen = &document.seen;
     if document.file.starts_with(HARD_CASE) {
         return Err(MADE_IN_MEMORY.to_owned());
@@ -41,10 +42,13 @@ pub fn words(document: &Document, size: [u32; 2]) -> Result<Vec<String>, String>
     words.extend(["--size".to_owned(), format!("{}x{}", size[0], size[1])]);
     words.extend(camera_options(&camera_in_file(&seen.camera, &document.scene)));
     words.extend(arrangement_options(&seen.arrangement, &document.scene));
-    let defaults = Settings::default();
+    for (option, value) in document.import.words(&configuration.importing()) {
+        words.push(format!("--{option}={value}"));
+    }
+    let (defaults, configured) = (Settings::default(), configuration.picture_settings(true));
     for declaration in Settings::declarations() {
         let value = seen.settings.get(&declaration.path);
-        if value == defaults.get(&declaration.path) {
+        if value == defaults.get(&declaration.path) && value == configured.get(&declaration.path) {
             continue;
         }
         let text = match value {
@@ -205,7 +209,8 @@ mod tests {
         settings.image.background = "#102030".to_owned();
         let seen = Seen { settings, camera, arrangement: Arrangement::default() };
         let mut document = Document::new("my file.glb".to_owned(), scene, seen);
-        let line = of(&document, [640, 480]).unwrap();
+        let plain = Configuration::default();
+        let line = of(&document, &plain, [640, 480]).unwrap();
         for piece in [
             "pellucid render 'my file.glb' -o picture.png --size 640x480",
             "--orthographic",
@@ -219,12 +224,15 @@ mod tests {
         arrangement.explode = 1.0;
         arrangement.sections = vec![Section { normal: -DVec3::Y, offset: -0.25, enabled: true, caps: false }];
         arrangement.parts.insert(0, PartLook { opacity: 0.5, color: Some([1.0, 0.0, 0.2]), ..PartLook::default() });
-        let line = of(&document, [640, 480]).unwrap();
+        document.import.parts = Some(crate::import::PartsBy::Component);
+        document.import.variant = Some("midnight blue".to_owned());
+        let line = of(&document, &plain, [640, 480]).unwrap();
+        assert!(line.contains("--parts=component '--variant=midnight blue'"), "{line}");
         for piece in ["--explode=1 ", "--section=-y=0.25 --no-caps", ":opacity=0.5,color=#ff0033'"] {
             assert!(line.contains(piece), "{line}");
         }
         let edited = Box::new(crate::transfer::TransferFunction::uniform(0.5));
         document.seen.settings.opacity.transfer = crate::transfer::TransferSource::Inline(edited);
-        assert!(of(&document, [640, 480]).unwrap_err().contains("session"));
+        assert!(of(&document, &plain, [640, 480]).unwrap_err().contains("session"));
     }
 }

@@ -8,6 +8,7 @@ use std::sync::Arc;
 
 use crate::math::Camera;
 use crate::scene::{Arrangement, Scene};
+use crate::session::Importing;
 use crate::settings::Settings;
 
 /// Most steps that are remembered.
@@ -91,6 +92,8 @@ pub struct Document {
     pub file: String,
     /// The model.
     pub scene: Arc<Scene>,
+    /// How it was read.
+    pub import: Importing,
     /// What is seen, to be changed at will.
     pub seen: Seen,
     history: History<Seen>,
@@ -98,9 +101,16 @@ pub struct Document {
 }
 
 impl Document {
-    /// A model as first seen.
+    /// A model as first seen, read as usual.
     pub fn new(file: String, scene: Arc<Scene>, seen: Seen) -> Document {
-        Document { file, scene, history: History::new(seen.clone()), seen, in_gesture: false }
+        Document {
+            file,
+            scene,
+            import: Importing::default(),
+            history: History::new(seen.clone()),
+            seen,
+            in_gesture: false,
+        }
     }
 
     /// Until [`Document::end_gesture`], changes belong together.

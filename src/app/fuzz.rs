@@ -136,7 +136,7 @@ impl Desk {
     }
 
     fn open(&mut self, file: &str) {
-        let loading = Loading::begin(file, || {});
+        let loading = Loading::begin(file, &crate::import::ImportOptions::default(), || {});
         loop {
             match loading.take() {
                 Some(Ok(opened)) => {

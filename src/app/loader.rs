@@ -9,7 +9,7 @@ use super::camera;
 use crate::import::{self, Cancel, ImportOptions};
 use crate::scene::hard_case::{HardCase, Source};
 use crate::scene::{Arrangement, Scene, Section, builtin};
-use crate::session::{Session, camera_in_file};
+use crate::session::{Importing, Session, camera_in_file};
 use crate::settings::Settings;
 use crate::tradeoff::hard_cases;
 
@@ -30,6 +30,8 @@ pub struct Opened {
     pub session: Option<Session>,
     /// The hard case that it belongs to; the session is of it then.
     pub case: Option<&'static HardCase>,
+    /// How it was read.
+    pub import: Importing,
 }
 
 /// Largest session file that is read, bytes.
@@ -61,13 +63,16 @@ pub struct Loading {
 }
 
 impl Loading {
-    /// Begins. `wake` is called, from the thread, as it gets on and when it is done.
-    pub fn begin(file: &str, wake: impl Fn() + Send + 'static) -> Loading {
+    /// Begins. A session says itself how its model is read; otherwise `options` do. `wake` is called, from the thread, as it
+    /// gets on and when it is done.
+    pub fn begin(file: &str, options: &ImportOptions, wake: impl Fn() + Send + 'static) -> Loading {
         let shared = Arc::new(Shared::default());
         let (theirs, name) = (Arc::clone(&shared), file.to_owned());
+        let options = ImportOptions { cancel: shared.cancel.clone(), ..options.clone() };
         let run = move || {
-            let result = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| load(&name, &theirs, &wake)))
-                .unwrap_or_else(|_| Err(format!("{name}: the importer panicked; the log says where")));
+            let result =
+                std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| load(&name, &options, &theirs, &wake)))
+                    .unwrap_or_else(|_| Err(format!("{name}: the importer panicked; the log says where")));
             *theirs.result.lock().unwrap_or_else(PoisonError::into_inner) = Some(result);
             wake();
         };
@@ -100,7 +105,7 @@ impl Drop for Loading {
     }
 }
 
-fn load(file: &str, shared: &Shared, wake: &impl Fn()) -> Result<Opened, String> {
+fn load(file: &str, options: &ImportOptions, shared: &Shared, wake: &impl Fn()) -> Result<Opened, String> {
     if let Some(name) = file.strip_prefix(HARD_CASE) {
         return hard_case(name);
     }
@@ -112,11 +117,13 @@ fn load(file: &str, shared: &Shared, wake: &impl Fn()) -> Result<Opened, String>
         source.take(LARGEST_SESSION).read_to_string(&mut text).map_err(|e| said(&e))?;
         let folder = path.parent().unwrap_or(Path::new(""));
         let session = Session::from_toml(&text).map_err(|e| said(&e))?.rebased(folder);
-        let scene = load_scene(session.file(), shared, wake)?;
+        let scene = load_scene(session.file(), &session.import().options(options), shared, wake)?;
         let session = session.resolve(&scene).map_err(|e| said(&e))?;
-        return Ok(Opened { scene, session: Some(session), case: None });
+        let import = session.import.clone();
+        return Ok(Opened { scene, session: Some(session), case: None, import });
     }
-    Ok(Opened { scene: load_scene(file, shared, wake)?, session: None, case: None })
+    let scene = load_scene(file, options, shared, wake)?;
+    Ok(Opened { scene, session: None, case: None, import: Importing::of(options) })
 }
 
 /// A hard case as it is drawn by our method.
@@ -141,11 +148,12 @@ fn hard_case(name: &str) -> Result<Opened, String> {
     // A picture of no pixels, which is a case too, has no camera; a window has pixels.
     let camera = camera.unwrap_or_else(|| camera::first(&scene.bounds(), 1.0));
     let camera = camera_in_file(&camera, &scene);
-    let session = Session { file, size, camera, settings, arrangement };
-    Ok(Opened { scene, session: Some(session), case: Some(case) })
+    let import = Importing::default();
+    let session = Session { file, size, camera, settings, arrangement, import: import.clone() };
+    Ok(Opened { scene, session: Some(session), case: Some(case), import })
 }
 
-fn load_scene(file: &str, shared: &Shared, wake: &impl Fn()) -> Result<Scene, String> {
+fn load_scene(file: &str, options: &ImportOptions, shared: &Shared, wake: &impl Fn()) -> Result<Scene, String> {
     if let Some(name) = file.strip_prefix(BUILTIN) {
         return builtin::build(name).map_err(|e| e.to_string());
     }
@@ -153,15 +161,14 @@ fn load_scene(file: &str, shared: &Shared, wake: &impl Fn()) -> Result<Scene, St
     let known = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("glb") || e.eq_ignore_ascii_case("gltf"));
     if !known || path.is_dir() {
         // It says what is wrong with the name.
-        return import::load(path).map_err(|e| full(&e));
+        return import::load_with(path, options).map_err(|e| full(&e));
     }
-    let bytes = read(path, shared, wake).map_err(|e| format!("{file}: {e}"))?;
+    let bytes = read(path, options.limits.bytes, shared, wake).map_err(|e| format!("{file}: {e}"))?;
     shared.building.store(true, Ordering::Relaxed);
     wake();
     let name = path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let options = ImportOptions { cancel: shared.cancel.clone(), ..ImportOptions::default() };
-    import::load_bytes_with(&bytes, &name, Some(folder), &options).map_err(|e| full(&e))
+    import::load_bytes_with(&bytes, &name, Some(folder), options).map_err(|e| full(&e))
 }
 
 /// An error and whatever caused it, in one line.
@@ -178,12 +185,11 @@ fn full(error: &dyn std::error::Error) -> String {
     text
 }
 
-fn read(path: &Path, shared: &Shared, wake: &impl Fn()) -> Result<Vec<u8>, String> {
-    let limit = ImportOptions::default().limits.bytes;
+fn read(path: &Path, limit: u64, shared: &Shared, wake: &impl Fn()) -> Result<Vec<u8>, String> {
     let file = std::fs::File::open(path).map_err(|e| e.to_string())?;
     let total = file.metadata().map_err(|e| e.to_string())?.len();
     shared.total.store(total.max(1), Ordering::Relaxed);
-    let mut rest = file.take(limit + 1);
+    let mut rest = file.take(limit.saturating_add(1));
     let mut bytes = Vec::new();
     let mut piece = vec![0; PIECE];
     loop {
@@ -242,14 +248,15 @@ mod tests {
                 shared.cancel.cancel();
             }
         };
-        let said = load_scene(file, &shared, &wake).map(|_| ()).unwrap_err();
+        let options = ImportOptions { cancel: shared.cancel.clone(), ..ImportOptions::default() };
+        let said = load_scene(file, &options, &shared, &wake).map(|_| ()).unwrap_err();
         assert!(said.ends_with("called off"), "{said}");
-        assert!(load_scene(file, &Shared::default(), &|| {}).is_ok());
+        assert!(load_scene(file, &ImportOptions::default(), &Shared::default(), &|| {}).is_ok());
     }
 
     #[test]
     fn scenes_come_and_errors_say_what_is_wrong() {
-        let scene = wait(&Loading::begin("builtin:quads", || {})).unwrap().scene;
+        let scene = wait(&Loading::begin("builtin:quads", &ImportOptions::default(), || {})).unwrap().scene;
         assert!(!scene.parts.is_empty());
         let folder = tempfile::tempdir().unwrap();
         let broken = folder.path().join("broken.glb");
@@ -264,7 +271,7 @@ mod tests {
             (broken.to_str().unwrap(), "broken"),
             (session.to_str().unwrap(), "session.toml"),
         ] {
-            let error = wait(&Loading::begin(file, || {})).map(|_| ()).unwrap_err();
+            let error = wait(&Loading::begin(file, &ImportOptions::default(), || {})).map(|_| ()).unwrap_err();
             assert!(error.contains(word), "{file}: {error}");
         }
     }

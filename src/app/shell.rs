@@ -33,6 +33,7 @@ use super::pictures::{Delivery, Kind, Pictures, supersedes};
 use super::surface::Surface;
 use super::watch::{Watch, Workshop};
 use super::workspace::{Gravity, Workspace};
+use crate::session::configuration::Configuration;
 
 /// Most that frames that follow the mouse are held back.
 const LONGEST_REST: Duration = Duration::from_millis(40);
@@ -62,9 +63,10 @@ impl From<egui_winit::accesskit_winit::Event> for Event {
 ///
 /// # Errors
 /// [`AppError::Display`] if there is no display or nothing can draw on it.
-pub fn run(files: &[String]) -> Result<(), AppError> {
+pub fn run(files: &[String], configuration: Configuration) -> Result<(), AppError> {
     let event_loop = EventLoop::<Event>::with_user_event().build().map_err(|e| AppError::Display(reason(&e)))?;
     let mut shell = Shell::new(event_loop.create_proxy(), files);
+    shell.workspace.configuration = Arc::new(configuration);
     event_loop.run_app(&mut shell).map_err(|e| AppError::Display(e.to_string()))?;
     shell.failure.map_or(Ok(()), Err)
 }
@@ -257,7 +259,7 @@ impl Shell {
     }
 
     fn load(&mut self, file: &str) {
-        self.loading = Some(Loading::begin(file, self.waker()));
+        self.loading = Some(Loading::begin(file, &self.workspace.configuration.import_options(), self.waker()));
         self.redraw();
     }
 

@@ -28,6 +28,7 @@ use crate::plan::{self, Capabilities, FramePlan, ViewStats};
 use crate::render::FrameReport;
 use crate::scene::cut::Solids;
 use crate::scene::{Arrangement, Cut, Scene, SceneStats};
+use crate::session::configuration::Configuration;
 use crate::session::{Session, camera_in_file, camera_in_scene};
 use crate::settings::Settings;
 use crate::transfer::{TransferFunction, TransferSource};
@@ -210,6 +211,8 @@ pub struct Workspace {
     pub scene_number: u64,
     /// What is remembered.
     pub preferences: Preferences,
+    /// What configuration files say.
+    pub configuration: Arc<Configuration>,
     /// What is said, oldest first.
     pub messages: Vec<Message>,
     /// What is being opened.
@@ -269,6 +272,7 @@ impl Workspace {
             document: None,
             scene_number: 0,
             preferences,
+            configuration: Arc::default(),
             messages: Vec::new(),
             loading: None,
             screen: None,
@@ -316,8 +320,8 @@ impl Workspace {
 
     /// Shows another model: as its session says, or as first seen, with the settings that are there.
     pub fn open(&mut self, file: String, opened: Opened) {
-        let Opened { scene, session, case } = opened;
-        let present = self.document.take().map_or_else(Settings::default, |d| d.seen.settings);
+        let Opened { scene, session, case, import } = opened;
+        let present = self.document.take().map_or_else(|| self.configuration.settings(), |d| d.seen.settings);
         let settings = self.settings_before_case.take().unwrap_or(present);
         if case.is_some() {
             self.settings_before_case = Some(settings.clone());
@@ -354,7 +358,9 @@ impl Workspace {
                 self.asks.push(Ask::Remember);
             }
         }
-        self.document = Some(Document::new(file, Arc::new(scene), seen));
+        let mut document = Document::new(file, Arc::new(scene), seen);
+        document.import = import;
+        self.document = Some(document);
         self.scene_number += 1;
         tracing::debug!("opened {remembered}");
         self.screen = None;
@@ -385,6 +391,7 @@ impl Workspace {
             camera: camera_in_file(&seen.camera, &document.scene),
             settings: seen.settings.clone(),
             arrangement: seen.arrangement.clone(),
+            import: document.import.clone(),
         };
         session.for_folder(folder).and_then(|s| s.to_toml(&document.scene)).map_err(|e| e.to_string())
     }

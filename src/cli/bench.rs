@@ -3,6 +3,7 @@
 mod flicker;
 mod illustration;
 
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use clap::{Args, Subcommand};
@@ -10,14 +11,18 @@ use serde::Serialize;
 
 use super::camera::CameraArgs;
 use super::failure::{Exit, Failure};
+use super::importing::ImportArgs;
+use super::load::shown;
 use super::options::size;
 use super::output::Progress;
 use super::render::Session;
 use crate::export::image::parse_background;
 use crate::gpu::{Gpu, GpuOptions, PassTime};
+use crate::import::ImportOptions;
 use crate::math::Camera;
 use crate::plan::Pass;
 use crate::scene::Scene;
+use crate::session::configuration::Configuration;
 use crate::settings::{OpacityModel, Settings};
 use crate::tradeoff::budget::{self, Afresh, Choice, Goal, Measurements, Options, Verdict};
 use crate::tradeoff::statistics::{Estimate, median};
@@ -47,6 +52,9 @@ pub struct BudgetsArgs {
     /// Models, or builtin:NAME
     #[arg(default_values_t = ["builtin:gearbox", "builtin:engine", "builtin:quads"].map(str::to_owned))]
     pub files: Vec<String>,
+    /// How they are read.
+    #[command(flatten)]
+    pub import: ImportArgs,
     /// Picture size in pixels
     #[arg(long, value_name = "WxH", value_parser = size, default_value = "256x256")]
     pub size: [u32; 2],
@@ -82,7 +90,10 @@ pub struct BucketsArgs {
 #[derive(Args, Clone, Debug)]
 pub struct FrameArgs {
     /// A model, or builtin:NAME
-    pub file: String,
+    pub file: PathBuf,
+    /// How it is read.
+    #[command(flatten)]
+    pub import: ImportArgs,
     /// From where it is looked at
     #[command(flatten)]
     pub camera: CameraArgs,
@@ -104,14 +115,15 @@ pub struct FrameArgs {
 ///
 /// # Errors
 /// [`Failure`] of the adapter, the file or the renderer.
-pub fn run(command: &BenchCommand, progress: &Progress) -> Result<(), Failure> {
+pub fn run(command: &BenchCommand, configuration: &Configuration, progress: &Progress) -> Result<(), Failure> {
+    let configured = &configuration.import_options();
     match command {
         BenchCommand::Buckets(args) => buckets(args, progress),
-        BenchCommand::Frame(args) => frame(args, progress),
-        BenchCommand::Illustration(args) => illustration::run(args, progress),
-        BenchCommand::Flicker(args) => flicker::run(args, progress),
-        BenchCommand::Study(args) => super::study::run(args, progress),
-        BenchCommand::Budgets(args) => budgets(args, progress),
+        BenchCommand::Frame(args) => frame(args, configured, progress),
+        BenchCommand::Illustration(args) => illustration::run(args, configured, progress),
+        BenchCommand::Flicker(args) => flicker::run(args, configured, progress),
+        BenchCommand::Study(args) => super::study::run(args, configured, progress),
+        BenchCommand::Budgets(args) => budgets(args, configured, progress),
     }
 }
 
@@ -214,8 +226,9 @@ fn print_rows<T: Serialize>(rows: &T, text: &str, json: bool) -> Result<(), Fail
 }
 
 /// The paper's Figure 9 question for any model: what does stylization cost, and what does being exact cost?
-fn frame(args: &FrameArgs, progress: &Progress) -> Result<(), Failure> {
-    let scene = super::load::scene(&args.file, progress)?;
+fn frame(args: &FrameArgs, configured: &ImportOptions, progress: &Progress) -> Result<(), Failure> {
+    let options = args.import.options(None, configured.clone());
+    let scene = super::load::scene(&args.file, &options, progress)?;
     let camera = args.camera.camera(&scene, f64::from(args.size[0]) / f64::from(args.size[1]))?;
     let k = args.k.to_string();
     let compacted = ("capture.kind", "compacted".to_owned());
@@ -234,7 +247,11 @@ fn frame(args: &FrameArgs, progress: &Progress) -> Result<(), Failure> {
     let rows: Vec<Row> = candidates.into_iter().map(|c| c.row(one)).collect();
     let mut text = format!(
         "{} at {}x{}, k = {}, medians of {} interleaved frames; passes: each run alone, wall time\n",
-        args.file, args.size[0], args.size[1], args.k, args.runs
+        shown(&args.file),
+        args.size[0],
+        args.size[1],
+        args.k,
+        args.runs
     );
     for row in &rows {
         text += &format!("{:<22}{:>9.1} ms  {:>6.2} x unsorted\n", row.name, row.milliseconds, row.ratio);
@@ -259,13 +276,14 @@ struct BudgetRow {
 }
 
 /// Chooses by time and by error, and measures what was chosen again on a device of its own.
-fn budgets(args: &BudgetsArgs, progress: &Progress) -> Result<(), Failure> {
+fn budgets(args: &BudgetsArgs, configured: &ImportOptions, progress: &Progress) -> Result<(), Failure> {
+    let import = args.import.options(None, configured.clone());
     let settings = Settings::default();
     let background = parse_background(&settings.image.background).map_err(|e| Failure::new(Exit::Usage, e))?;
     let options = Options { size: args.size, background, limit: Duration::from_secs(600), resize: true };
     let mut rows = Vec::new();
     for file in &args.files {
-        let scene = super::load::scene(file, progress)?;
+        let scene = super::load::scene(Path::new(file), &import, progress)?;
         let camera = CameraArgs::default().camera(&scene, f64::from(args.size[0]) / f64::from(args.size[1]))?;
         let bench = || -> Result<RendererBench, Failure> {
             let gpu = Gpu::new(&GpuOptions::default()).map_err(|e| Failure::of(Exit::NoAdapter, &e))?;
@@ -332,7 +350,7 @@ fn buckets(args: &BucketsArgs, progress: &Progress) -> Result<(), Failure> {
     for parts in [1, 2, 4, 6, 8, 16, 32].into_iter().filter(|&p| p <= args.layers) {
         progress.stage(&format!("{parts} parts"));
         let name = format!("builtin:quads?layers={}&parts={parts}", args.layers);
-        let scene = super::load::scene(&name, progress)?;
+        let scene = super::load::scene(Path::new(&name), &ImportOptions::default(), progress)?;
         let front = CameraArgs { camera: Some("0".to_owned()), ..CameraArgs::default() };
         let camera = front.camera(&scene, 1.0)?;
         let with = |search: &str| {

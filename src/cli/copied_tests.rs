@@ -12,6 +12,7 @@ use crate::app::command_line;
 use crate::app::document::{Document, Seen};
 use crate::scene::arrangement::{MOST_EXPLODED, MOST_SECTIONS};
 use crate::scene::{Arrangement, PartLook, PartStyle, Presence, Scene, Section};
+use crate::session::configuration::Configuration;
 use crate::session::tests::scene_of;
 use crate::settings::Settings;
 
@@ -91,7 +92,7 @@ proptest! {
         let camera = camera::first(&scene.bounds(), 1.0);
         let seen = Seen { settings: Settings::default(), camera, arrangement };
         let document = Document::new("model.glb".to_owned(), Arc::clone(&scene), seen);
-        let words = command_line::words(&document, [64, 48]).unwrap();
+        let words = command_line::words(&document, &Configuration::default(), [64, 48]).unwrap();
         let again = read(&words, &scene).map_err(|e| TestCaseError::fail(format!("{words:?}: {e}")))?;
         prop_assert_eq!(again, document.seen.arrangement, "{:?}", words);
     }
@@ -99,7 +100,7 @@ proptest! {
 
 /// The words of a document and what the program makes of them.
 fn asked(document: &Document) -> (Vec<String>, Box<super::options::RenderArgs>) {
-    let words = command_line::words(document, [30, 20]).unwrap();
+    let words = command_line::words(document, &Configuration::default(), [30, 20]).unwrap();
     let cli = Cli::try_parse_from(&words).unwrap_or_else(|e| panic!("{words:?}: {e}"));
     match cli.command {
         Some(Command::Render(args)) => (words, args),
@@ -125,7 +126,7 @@ fn every_setting_and_the_camera_survive_the_command_line() {
         let seen = Seen { settings, camera, arrangement: Arrangement::default() };
         let document = Document::new("builtin:stack".to_owned(), Arc::clone(&scene), seen);
         let (words, args) = asked(&document);
-        let again = args.view.asked().unwrap_or_else(|e| panic!("{words:?}: {e:?}"));
+        let again = args.view.asked(&Configuration::default()).unwrap_or_else(|e| panic!("{words:?}: {e:?}"));
         assert_eq!((again.size, &again.settings), ([30, 20], &document.seen.settings), "{what}");
         let again = args.view.camera.camera(&scene, 1.5).unwrap_or_else(|e| panic!("{words:?}: {e:?}"));
         let way = (again.position - camera.position).length() + (again.direction() - camera.direction()).length();

@@ -6,6 +6,7 @@ use glam::DVec3;
 use serde::Serialize;
 
 use super::failure::printable;
+use super::load::Times;
 use super::output::grouped;
 use crate::math::{Bounds, Projection};
 use crate::scene::{AlphaMode, Scene, SceneCamera, SceneStats};
@@ -27,6 +28,8 @@ pub struct Report {
     images: Vec<ImageFacts>,
     cameras: Vec<CameraFacts>,
     notices: Vec<NoticeFacts>,
+    /// How long it took to read.
+    times: Times,
 }
 
 #[derive(Serialize)]
@@ -94,8 +97,8 @@ impl BoxFacts {
 }
 
 impl Report {
-    /// Collects the facts of a scene.
-    pub fn of(scene: &Scene) -> Report {
+    /// Collects the facts of a scene that took so long to read.
+    pub fn of(scene: &Scene, times: Times) -> Report {
         let stats = SceneStats::of(scene);
         let box_of = |b: &Bounds| {
             (!b.is_empty())
@@ -163,6 +166,7 @@ impl Report {
             images: scene.images.iter().map(image).collect(),
             cameras: scene.cameras.iter().map(camera).collect(),
             notices: scene.notices.iter().map(notice).collect(),
+            times,
         }
     }
 
@@ -229,6 +233,11 @@ impl Report {
                 writeln!(out, "  {}: {}", notice.kind, printable(&notice.message))?;
             }
         }
+        writeln!(out, "\ntime")?;
+        for time in &self.times.phases {
+            writeln!(out, "  {:<22}{:>10.1} ms", time.phase, time.milliseconds)?;
+        }
+        writeln!(out, "  {:<22}{:>10.1} ms", "all", self.times.milliseconds)?;
         Ok(())
     }
 
@@ -326,7 +335,7 @@ mod tests {
 
     #[test]
     fn text_shows_the_tree_and_no_control_characters() {
-        let text = Report::of(&scene(0.0)).text();
+        let text = Report::of(&scene(0.0), Times::default()).text();
         assert!(
             text.starts_with(
                 "model: 1 part of 1 mesh, 1 triangle, 3 vertices, 1 material, 0 images\nsize    1 × 1 × 0\n"
@@ -339,7 +348,7 @@ mod tests {
 
     #[test]
     fn json_has_bounds_in_the_files_coordinates() {
-        let json = serde_json::to_value(Report::of(&scene(1e6))).unwrap();
+        let json = serde_json::to_value(Report::of(&scene(1e6), Times::default())).unwrap();
         assert_eq!(json["bounds"]["min"][0], 1e6);
         assert_eq!(json["bounds"]["max"][0], 1e6 + 1.0);
         assert_eq!(json["nodes"][1]["parent"], 0);
@@ -355,7 +364,7 @@ mod tests {
             node.children = if i + 1 < 100_000 { vec![i + 1] } else { Vec::new() };
             node
         });
-        let text = Report::of(&Scene { nodes: nodes.collect(), ..Scene::default() }).text();
+        let text = Report::of(&Scene { nodes: nodes.collect(), ..Scene::default() }, Times::default()).text();
         assert_eq!(text.lines().filter(|l| l.ends_with(" n")).count(), 100_000);
         assert!(text.contains("bounds  empty"));
     }

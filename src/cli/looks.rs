@@ -49,18 +49,11 @@ pub struct LookArgs {
 }
 
 impl LookArgs {
-    /// The settings that the options ask for, with a transfer function that is known to be sound.
+    /// The settings that the options ask for, over settings that count less than anything here, with a transfer function that is
+    /// known to be sound. A settings file says everything, so it replaces what is below.
     ///
     /// # Errors
     /// [`Exit::Usage`] for what the command line says, [`Exit::Input`] for what files say.
-    pub fn settings(&self) -> Result<Settings, Failure> {
-        self.settings_over(Settings::default())
-    }
-
-    /// The same, over settings that count less than anything here. A settings file says everything, so it replaces them.
-    ///
-    /// # Errors
-    /// As [`LookArgs::settings`].
     pub fn settings_over(&self, base: Settings) -> Result<Settings, Failure> {
         let usage = |e: &dyn std::fmt::Display| Failure::new(Exit::Usage, e);
         let mut settings = match &self.settings {
@@ -154,6 +147,12 @@ mod tests {
         LookArgs::default()
     }
 
+    impl LookArgs {
+        fn settings(&self) -> Result<Settings, Failure> {
+            self.settings_over(Settings::default())
+        }
+    }
+
     #[test]
     fn every_preset_applies() {
         for (name, _) in looks::presets() {
@@ -167,9 +166,9 @@ mod tests {
         assert_eq!(paper.features.curvature.kind, CurvatureKind::ViewCentred);
         let plain = LookArgs { preset: Some("plain".to_owned()), ..look() }.settings().unwrap();
         assert_eq!((plain.opacity.model, plain.opacity.constant), (OpacityModel::Constant, 0.3));
-        let unknown = LookArgs { preset: Some("glass".to_owned()), ..look() }.settings().unwrap_err();
+        let unknown = LookArgs { preset: Some("plane".to_owned()), ..look() }.settings().unwrap_err();
         assert_eq!(unknown.exit, Exit::Usage);
-        assert!(unknown.message.contains("paper") && unknown.message.contains("x-ray"), "{unknown:?}");
+        assert!(unknown.message.contains("did you mean 'plain'") && unknown.message.contains("x-ray"), "{unknown:?}");
     }
 
     #[test]

@@ -8,16 +8,27 @@ use super::ENVIRONMENT;
 use super::bench::BenchCommand;
 use super::budget::BudgetArgs;
 use super::camera::CameraArgs;
+use super::compare::CompareArgs;
 use super::hard_cases::HardCasesArgs;
+use super::importing::ImportArgs;
 use super::looks::LookArgs;
+use super::picture::Format;
 use super::section::SectionArgs;
+use super::shells::{CompletionsArgs, ManArgs};
 use super::tradeoff::TradeoffArgs;
 use super::transfer::TransferArgs;
 use super::view::PartArgs;
+use crate::session::configuration::picture_size;
 
 /// Shows the inside of 3D models without losing their shape.
 #[derive(Parser, Clone, Debug)]
-#[command(name = "pellucid", version, about, after_help = ENVIRONMENT, args_conflicts_with_subcommands = true)]
+#[command(
+    name = "pellucid",
+    version,
+    about,
+    after_help = ENVIRONMENT,
+    override_usage = "pellucid [FILE]...\n       pellucid <COMMAND>"
+)]
 pub struct Cli {
     /// What to do; without a command a window opens.
     #[command(subcommand)]
@@ -25,26 +36,38 @@ pub struct Cli {
     /// Models or sessions to open in the window, or builtin:NAME
     #[arg(value_name = "FILE", value_parser = model)]
     pub files: Vec<String>,
+    /// The configuration.
+    #[command(flatten)]
+    pub configuration: ConfigurationArgs,
+}
+
+/// Which configuration files are read.
+#[derive(Args, Clone, Debug, Default)]
+#[command(next_help_heading = "Configuration")]
+pub struct ConfigurationArgs {
+    /// Read this configuration file too; it counts more than those of the system and of the user
+    #[arg(long, global = true, value_name = "FILE", conflicts_with = "no_config")]
+    pub config: Option<PathBuf>,
+    /// Read no configuration file
+    #[arg(long, global = true)]
+    pub no_config: bool,
 }
 
 /// What to do.
 #[derive(Subcommand, Clone, Debug)]
 pub enum Command {
-    /// Render a model to a PNG
+    /// Render a model to a PNG or an EXR
     #[command(after_help = ENVIRONMENT)]
     Render(Box<RenderArgs>),
     /// Print what rendering a model would do: passes with reasons, buffers with bytes
     #[command(after_help = ENVIRONMENT)]
     Plan(Box<PlanArgs>),
-    /// Print what is in a model: parts, hierarchy, materials, notices
+    /// Print what is in a model: parts, hierarchy, materials, notices, and how long it took to read
     #[command(after_help = ENVIRONMENT)]
-    Inspect {
-        /// A model, or builtin:NAME
-        file: String,
-        /// Print JSON
-        #[arg(long)]
-        json: bool,
-    },
+    Inspect(InspectArgs),
+    /// Compare two pictures: largest and mean error, pixels that differ, FLIP, and a picture of the differences
+    #[command(after_help = ENVIRONMENT)]
+    Compare(CompareArgs),
     /// List graphics adapters and what they can do
     #[command(after_help = ENVIRONMENT)]
     Adapters {
@@ -58,6 +81,9 @@ pub enum Command {
         #[arg(long)]
         toml: bool,
     },
+    /// Print what configuration files say, merged, and which file and line each value is from
+    #[command(after_help = ENVIRONMENT)]
+    Config,
     /// List the looks for --preset and --transfer
     Presets,
     /// Describe a transfer function, or write it in another format
@@ -88,20 +114,40 @@ pub enum Command {
     /// Measure what is wrong in a picture and what it would cost to have it right: a report of accuracy against time
     #[command(after_help = ENVIRONMENT)]
     Tradeoff(Box<TradeoffArgs>),
+    /// Print what makes a shell complete commands and options
+    Completions(CompletionsArgs),
+    /// Print the manual page, or write those of all commands
+    Man(ManArgs),
+}
+
+/// Options of `inspect`.
+#[derive(Args, Clone, Debug)]
+pub struct InspectArgs {
+    /// A model, - for standard input, or builtin:NAME
+    pub file: PathBuf,
+    /// How it is read.
+    #[command(flatten)]
+    pub import: ImportArgs,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// What is looked at and how.
 #[derive(Args, Clone, Debug)]
 pub struct ViewArgs {
-    /// A model, or builtin:NAME (`pellucid scenes` lists them); a session names its own
+    /// A model, - for standard input, or builtin:NAME (`pellucid scenes` lists them); a session names its own
     #[arg(required_unless_present = "session")]
-    pub file: Option<String>,
+    pub file: Option<PathBuf>,
     /// A session that was saved: model, camera, settings and parts; options beside it count more
     #[arg(long, value_name = "FILE")]
     pub session: Option<PathBuf>,
     /// Picture size in pixels [default: 1000x1000]
     #[arg(long, value_name = "WxH", value_parser = size)]
     pub size: Option<[u32; 2]>,
+    /// How the model is read.
+    #[command(flatten)]
+    pub import: ImportArgs,
     /// The look.
     #[command(flatten)]
     pub look: LookArgs,
@@ -122,12 +168,23 @@ pub struct RenderArgs {
     /// What is looked at and how.
     #[command(flatten)]
     pub view: ViewArgs,
-    /// The PNG to write; - is standard output
+    /// The PNG or EXR to write; - is standard output
     #[arg(help_heading = "Output", short, long, value_name = "FILE", required_unless_present_any = ["reference", "stats", "save_session"])]
     pub output: Option<PathBuf>,
-    /// Bits of a channel
-    #[arg(help_heading = "Output", long, value_name = "8|16", value_parser = bits, default_value = "8")]
-    pub bits: u8,
+    /// What to write where the name does not say it: a PNG in sRGB over the background, or an EXR in linear light,
+    /// premultiplied, unclamped, without the background
+    #[arg(help_heading = "Output", long, value_enum)]
+    pub format: Option<Format>,
+    /// Bits of a channel: 8 or 16 of a PNG [default: 8], 16 or 32 (floats) of an EXR [default: 32]
+    #[arg(help_heading = "Output", long, value_name = "8|16|32", value_parser = bits)]
+    pub bits: Option<u8>,
+    /// Write each layer as a part of its own into the EXR, at most the N nearest: colour times opacity (R, G, B), opacity (A),
+    /// depth (Z), part (id), normal (N.X, N.Y, N.Z) and curvature (kappa), at each pixel's middle
+    #[arg(help_heading = "Output", long, value_name = "N", num_args = 0..=1, require_equals = true, default_missing_value = "4294967295", value_parser = clap::value_parser!(u32).range(1..), conflicts_with_all = ["compare", "compare_opacity", "budget", "max_error"])]
+    pub layers: Option<u32>,
+    /// Render again whenever the model, a file that it names, the session, the settings or the transfer functions change
+    #[arg(help_heading = "Output", long, conflicts_with_all = ["reference", "save_session", "budget", "max_error"])]
+    pub watch: bool,
     /// Three pictures side by side: plain transparency, curvature shading on opaque surfaces, and the look asked for
     #[arg(help_heading = "Output", long)]
     pub compare: bool,
@@ -140,10 +197,10 @@ pub struct RenderArgs {
     /// Write what the options mean as a session for --session; - is standard output
     #[arg(help_heading = "Output", long, value_name = "FILE", conflicts_with_all = ["budget", "max_error"])]
     pub save_session: Option<PathBuf>,
-    /// Compare with this PNG, and exit with 5 if the mean difference is above the threshold
+    /// Compare with this PNG or EXR as `pellucid compare` does, and exit with 5 if the mean error is above the threshold
     #[arg(help_heading = "Output", long, value_name = "IMAGE")]
     pub reference: Option<PathBuf>,
-    /// Largest mean difference, in sRGB values from 0 to 1
+    /// Largest mean error, in sRGB values from 0 to 1
     #[arg(help_heading = "Output", long, value_name = "T", value_parser = threshold, default_value = "0.002", requires = "reference")]
     pub threshold: f64,
     /// Settings chosen by a promise.
@@ -173,21 +230,20 @@ fn model(text: &str) -> Result<String, String> {
 
 /// Parses `WxH`: both whole and at least 1.
 pub fn size(text: &str) -> Result<[u32; 2], String> {
-    let side = |s: &str| s.parse::<u32>().ok().filter(|n| *n > 0 && s.bytes().all(|b| b.is_ascii_digit()));
-    text.split_once('x')
-        .and_then(|(w, h)| Some([side(w)?, side(h)?]))
-        .ok_or_else(|| "expected width and height in pixels, at least 1, as in 1920x1080".to_owned())
+    picture_size(text)
 }
 
 fn bits(text: &str) -> Result<u8, String> {
     match text {
         "8" => Ok(8),
         "16" => Ok(16),
-        _ => Err("expected 8 or 16".to_owned()),
+        "32" => Ok(32),
+        _ => Err("expected 8, 16 or 32".to_owned()),
     }
 }
 
-fn threshold(text: &str) -> Result<f64, String> {
+/// Parses a share from 0 to 1.
+pub fn threshold(text: &str) -> Result<f64, String> {
     text.parse::<f64>()
         .ok()
         .filter(|t| (0.0..=1.0).contains(t))
@@ -209,9 +265,9 @@ mod tests {
         Cli::command().debug_assert();
         let mut command = Cli::command();
         command.build();
-        for name in ["render", "plan", "inspect", "adapters", "bench", "tradeoff", "hard-cases"] {
+        for name in ["render", "plan", "inspect", "compare", "adapters", "bench", "tradeoff", "hard-cases", "config"] {
             let help = command.find_subcommand_mut(name).unwrap().render_long_help().to_string();
-            for variable in ["WGPU_BACKEND", "WGPU_ADAPTER_NAME", "RUST_LOG", "NO_COLOR"] {
+            for variable in ["WGPU_BACKEND", "WGPU_ADAPTER_NAME", "RUST_LOG", "NO_COLOR", "PELLUCID_CONFIG"] {
                 assert!(help.contains(variable), "{name} --help does not name {variable}");
             }
         }
@@ -245,6 +301,17 @@ mod tests {
             "paint a.glb",
             "tradeoff a.glb",
             "tradeoff a.glb -o d --limit-seconds 0",
+            "compare a.png",
+            "compare a.png b.png --map flip",
+            "compare a.png b.png --threshold 2",
+            "compare a.png b.png --background none",
+            "render a.glb -o a.exr --layers=0",
+            "render a.glb -o a.exr --layers --compare",
+            "render a.glb -o a.png --watch --reference b.png",
+            "inspect a.glb --parts wheels",
+            "inspect a.glb --limit bites=1",
+            "completions tcsh",
+            "plan a.glb --config a.toml --no-config",
         ] {
             let code = parse(line).map(|_| ()).map_err(|e| e.exit_code());
             assert_eq!(code, Err(2), "{line}");
@@ -268,6 +335,18 @@ mod tests {
             "tradeoff a.glb --check limits.toml",
             "transfer pellucid",
             "transfer maps.json --name Hot -o hot.toml",
+            "compare a.png b.exr --difference d.png --map absolute --amplify 4 --json --threshold 0.1 --max-flip 0.2",
+            "render a.glb -o a.exr --layers --bits 16",
+            "render --layers=8 a.glb -o - --format exr",
+            "render a.glb -o a.png --watch",
+            "render - -o - --parts component --variant red --crease-angle 40 --limit bytes=512M --limit node_depth=7",
+            "inspect - --parts file --json",
+            "completions zsh",
+            "man -o pages",
+            "config --no-config",
+            "--no-config config",
+            "--config c.toml a.glb",
+            "plan a.glb --config c.toml",
         ] {
             parse(line).unwrap_or_else(|e| panic!("{line}: {e}"));
         }

@@ -7,6 +7,7 @@ use std::time::Duration;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::failure::{Exit, Failure};
+use crate::import::Phase;
 
 /// Writes data to standard output. A reader that has gone away is no failure.
 ///
@@ -79,6 +80,13 @@ pub fn complain(line: &str) {
     let _ = writeln!(std::io::stderr(), "{line}");
 }
 
+/// Steps of the bar of an import.
+const STEPS: u64 = 1000;
+
+fn spinner() -> ProgressStyle {
+    ProgressStyle::with_template("{spinner} {msg} {elapsed}").unwrap_or_else(|_| ProgressStyle::default_spinner())
+}
+
 /// Shows what the program is busy with, if standard error is a terminal.
 pub struct Progress(Option<ProgressBar>);
 
@@ -87,9 +95,7 @@ impl Progress {
     pub fn new() -> Progress {
         Progress(std::io::stderr().is_terminal().then(|| {
             let bar = ProgressBar::new_spinner();
-            if let Ok(style) = ProgressStyle::with_template("{spinner} {msg} {elapsed}") {
-                bar.set_style(style);
-            }
+            bar.set_style(spinner());
             bar.enable_steady_tick(Duration::from_millis(120));
             bar
         }))
@@ -98,6 +104,10 @@ impl Progress {
     /// Says what is being done now.
     pub fn stage(&self, what: &str) {
         if let Some(bar) = &self.0 {
+            if bar.length().is_some() {
+                bar.unset_length();
+                bar.set_style(spinner());
+            }
             bar.set_message(what.to_owned());
         }
     }
@@ -113,6 +123,22 @@ impl Progress {
             }
             bar.set_position(done as u64);
             bar.set_message(what.to_owned());
+        }
+    }
+
+    /// What shows the phases of an import, as they are told from its threads.
+    pub fn importing(&self, file: &str) -> impl Fn(Phase, f32) + Send + Sync + 'static {
+        let (bar, file) = (self.0.clone(), file.to_owned());
+        move |phase, done| {
+            let Some(bar) = &bar else { return };
+            if bar.length() != Some(STEPS) {
+                bar.set_length(STEPS);
+                if let Ok(style) = ProgressStyle::with_template("{spinner} {bar:24} {percent:>3} % {msg} {elapsed}") {
+                    bar.set_style(style);
+                }
+            }
+            bar.set_position((f64::from(done) * STEPS as f64) as u64);
+            bar.set_message(format!("{file}: {}", phase.name()));
         }
     }
 

@@ -1,6 +1,9 @@
 //! The renderer as the command line sees it. But for the sweep, nothing else in this room names the GPU, the planner or the
 //! renderer.
 
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
 use serde::Serialize;
 
 use super::failure::{Exit, Failure, printable};
@@ -8,7 +11,8 @@ use super::output::grouped;
 use crate::gpu::{AdapterFacts, Gpu, GpuError, GpuOptions, Timing};
 use crate::math::Camera;
 use crate::plan::{Capture, FramePlan};
-use crate::render::{Frame, FrameReport, GpuScene, RenderError, Renderer};
+use crate::render::{Frame, GpuScene, RenderError};
+pub use crate::render::{FrameReport, Layers, Renderer};
 use crate::scene::{Arrangement, Scene};
 use crate::settings::Settings;
 use crate::tradeoff::flicker::{self, Orbit, OrbitOptions};
@@ -38,7 +42,27 @@ impl Session {
     /// # Errors
     /// As [`Session::open`].
     pub fn open_arranged(scene: &Scene, arrangement: &Arrangement) -> Result<Session, Failure> {
-        let mut session = Session::open(scene)?;
+        Session::open_with(None, None, scene, arrangement)
+    }
+
+    /// The same with a renderer that has drawn before, if there is one, and a flag by which drawing is called off.
+    ///
+    /// # Errors
+    /// As [`Session::open`].
+    pub fn open_with(
+        renderer: Option<Renderer>,
+        cancel: Option<Arc<AtomicBool>>,
+        scene: &Scene,
+        arrangement: &Arrangement,
+    ) -> Result<Session, Failure> {
+        let mut session = match renderer {
+            Some(mut renderer) => {
+                let scene = renderer.load(scene).map_err(failed)?;
+                Session { renderer, scene, notices: Vec::new() }
+            }
+            None => Session::open(scene)?,
+        };
+        session.renderer.cancel = cancel;
         let report = session.renderer.arrange(&mut session.scene, scene, arrangement).map_err(failed)?;
         session.notices = report.notices;
         Ok(session)
@@ -50,6 +74,26 @@ impl Session {
     /// [`Exit::Limits`] if the planner refuses, [`Exit::General`] otherwise.
     pub fn render(&mut self, camera: &Camera, settings: &Settings, size: [u32; 2]) -> Result<Frame, Failure> {
         self.renderer.render(&self.scene, camera, settings, size).map_err(failed)
+    }
+
+    /// Renders a picture with one sample a pixel and reads back its layers, the `most` nearest of each pixel.
+    ///
+    /// # Errors
+    /// As [`Session::render`].
+    pub fn layers(
+        &mut self,
+        camera: &Camera,
+        settings: &Settings,
+        size: [u32; 2],
+        most: u32,
+    ) -> Result<(FrameReport, Layers), Failure> {
+        let (frame, layers) = self.renderer.render_layers(&self.scene, camera, settings, size, most).map_err(failed)?;
+        Ok((frame.report, layers))
+    }
+
+    /// The renderer, for another scene.
+    pub fn into_renderer(self) -> Renderer {
+        self.renderer
     }
 
     /// Milliseconds of the same picture blended without order.

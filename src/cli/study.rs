@@ -1,14 +1,18 @@
 //! `pellucid bench study`: the tasks of a user study, measured from the pictures.
 
+use std::path::Path;
+
 use clap::Args;
 use serde::Serialize;
 
 use super::camera::CameraArgs;
 use super::failure::{Exit, Failure};
+use super::importing::ImportArgs;
 use super::options::size;
 use super::output::Progress;
 use super::render::failed;
 use crate::gpu::{Gpu, GpuOptions};
+use crate::import::ImportOptions;
 use crate::render::Renderer;
 use crate::settings::Settings;
 use crate::tradeoff::study::{self, Options, Study, StudyError};
@@ -19,6 +23,9 @@ pub struct StudyArgs {
     /// Models, or builtin:NAME
     #[arg(default_values_t = ["builtin:flow", "builtin:gearbox"].map(str::to_owned))]
     pub files: Vec<String>,
+    /// How they are read.
+    #[command(flatten)]
+    pub import: ImportArgs,
     /// From where they are looked at
     #[command(flatten)]
     pub camera: CameraArgs,
@@ -49,11 +56,12 @@ struct Named {
 ///
 /// # Errors
 /// [`Failure`] of the adapter, the file or the renderer.
-pub fn run(args: &StudyArgs, progress: &Progress) -> Result<(), Failure> {
+pub fn run(args: &StudyArgs, configured: &ImportOptions, progress: &Progress) -> Result<(), Failure> {
+    let import = args.import.options(None, configured.clone());
     let mut all = Vec::new();
     let mut text = String::new();
     for file in &args.files {
-        let scene = super::load::scene(file, progress)?;
+        let scene = super::load::scene(Path::new(file), &import, progress)?;
         let camera = args.camera.camera(&scene, f64::from(args.size[0]) / f64::from(args.size[1]))?;
         let gpu = Gpu::new(&GpuOptions::default()).map_err(|e| Failure::of(Exit::NoAdapter, &e))?;
         let mut renderer = Renderer::new(gpu).map_err(failed)?;

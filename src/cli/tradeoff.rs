@@ -7,12 +7,15 @@ use clap::Args;
 
 use super::camera::CameraArgs;
 use super::failure::{Exit, Failure};
+use super::importing::ImportArgs;
+use super::load::shown;
 use super::looks::LookArgs;
 use super::options::size;
 use super::output::{self, Progress};
 use crate::export::image::parse_background;
 use crate::gpu::{Gpu, GpuOptions};
 use crate::scene::Scene;
+use crate::session::configuration::Configuration;
 use crate::tradeoff::limits::{Judgement, Limits};
 use crate::tradeoff::report::{self, Subject};
 use crate::tradeoff::sweep::{self, Options, Sweep};
@@ -23,7 +26,10 @@ use crate::tradeoff::{axis, reference};
 #[derive(Args, Clone, Debug)]
 pub struct TradeoffArgs {
     /// A model, or builtin:NAME (`pellucid scenes` lists them)
-    pub file: String,
+    pub file: PathBuf,
+    /// How it is read.
+    #[command(flatten)]
+    pub import: ImportArgs,
     /// The folder for sweep.csv, sweep.json and index.html; made if it does not exist
     #[arg(short, long, value_name = "DIR", required_unless_present = "check")]
     pub output: Option<PathBuf>,
@@ -51,8 +57,8 @@ pub struct TradeoffArgs {
 ///
 /// # Errors
 /// [`Exit::Differ`] if an error is above its limit; [`Failure`] of the command line, the files, the adapter.
-pub fn run(args: &TradeoffArgs) -> Result<(), Failure> {
-    let settings = args.look.settings()?;
+pub fn run(args: &TradeoffArgs, configuration: &Configuration) -> Result<(), Failure> {
+    let settings = args.look.settings_over(configuration.picture_settings(args.look.preset.is_none()))?;
     let background = parse_background(&settings.image.background).map_err(|e| Failure::new(Exit::Usage, e))?;
     let axes = axis::named(&args.axes).map_err(|e| Failure::new(Exit::Usage, format!("--axes: {e}")))?;
     let limits = args.check.as_deref().map(read_limits).transpose()?;
@@ -60,7 +66,9 @@ pub fn run(args: &TradeoffArgs) -> Result<(), Failure> {
         prepare(folder)?;
     }
     let progress = Progress::new();
-    let scene = super::load::scene(&args.file, &progress)?;
+    let file = shown(&args.file);
+    let options = args.import.options(None, configuration.import_options());
+    let scene = super::load::scene(&args.file, &options, &progress)?;
     let options = Options {
         size: args.size,
         background,
@@ -90,12 +98,11 @@ pub fn run(args: &TradeoffArgs) -> Result<(), Failure> {
     };
     let covered = sweep.rows.iter().any(|r| r.outcome.as_ref().is_ok_and(|m| m.counts.rasterized > 0));
     if !covered {
-        progress.say(&format!("{}: nothing is in view", args.file));
+        progress.say(&format!("{file}: nothing is in view"));
     }
     let place = args.output.as_ref().map_or_else(String::new, |f| format!("; {}", f.join("index.html").display()));
     progress.say(&format!(
-        "{}: {} configurations in {:.0} s, {failed} without figures{untimed}{place}",
-        args.file,
+        "{file}: {} configurations in {:.0} s, {failed} without figures{untimed}{place}",
         sweep.rows.len(),
         sweep.seconds
     ));
@@ -148,7 +155,7 @@ fn measure(
     })
     .map_err(super::render::failed)?;
     let subject = Subject {
-        model: args.file.clone(),
+        model: shown(&args.file),
         camera: args.camera.describe(),
         adapter: Some(gpu.facts().clone()),
         limit_seconds: options.limit.map(|l| l.as_secs()),

@@ -5,23 +5,23 @@
 
 use std::collections::BTreeSet;
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
 use super::failure::{Exit, Failure};
-use super::load;
+use super::load::{self, BUILTIN, STDIN};
 use super::options::ViewArgs;
 use super::output::Progress;
+use crate::import::ImportOptions;
 use crate::scene::arrangement::MOST_EXPLODED;
-use crate::scene::{Arrangement, PartLook, PartStyle, Presence, Scene};
-use crate::session::{PartNames, Session, SessionFile, camera_in_file, camera_in_scene};
+use crate::scene::{Arrangement, Notice, PartLook, PartStyle, Presence, Scene};
+use crate::session::configuration::Configuration;
+use crate::session::{Importing, PartNames, Session, SessionFile, camera_in_file, camera_in_scene};
 use crate::settings::Settings;
 
 /// Largest session that is read, bytes.
 const LARGEST_SESSION: u64 = 64 << 20;
-/// Picture size unless another is asked for.
-const SIZE: [u32; 2] = [1000, 1000];
 
 /// Options for parts, each by its path in the hierarchy or by a name that only one has; a group's name means all below it.
 #[derive(Args, Clone, Debug, Default)]
@@ -148,42 +148,56 @@ impl PartArgs {
 pub struct Asked<'a> {
     args: &'a ViewArgs,
     session: Option<SessionFile>,
-    /// The model, or `builtin:NAME`.
-    pub file: String,
+    /// The model, `-`, or `builtin:NAME`.
+    pub file: PathBuf,
     /// Width and height of the picture, pixels.
     pub size: [u32; 2],
     /// The settings.
     pub settings: Settings,
+    /// How the model is read.
+    pub options: ImportOptions,
 }
 
 impl ViewArgs {
-    /// Reads the session, if there is one, and the settings.
+    /// Reads the session, if there is one, and the settings. A session says everything but what the command line says; where
+    /// there is none, the configuration counts, and a preset of the command line takes the place of a configured one.
     ///
     /// # Errors
     /// [`Exit::Usage`] for what the command line says, [`Exit::Input`] for what files say.
-    pub fn asked(&self) -> Result<Asked<'_>, Failure> {
+    pub fn asked(&self, configuration: &Configuration) -> Result<Asked<'_>, Failure> {
         let session = self.session.as_deref().map(read_session).transpose()?;
-        let base = session.as_ref().map_or_else(Settings::default, |s| s.settings().clone());
+        let configured = || configuration.picture_settings(self.look.preset.is_none());
+        let base = session.as_ref().map_or_else(configured, |s| s.settings().clone());
         let settings = self.look.settings_over(base)?;
         let file = match (&self.file, &session) {
             (Some(file), _) => file.clone(),
-            (None, Some(session)) => session.file().to_owned(),
+            (None, Some(session)) => PathBuf::from(session.file()),
             (None, None) => return Err(Failure::new(Exit::Usage, "neither a model nor --session is given")),
         };
-        let size = self.size.or(session.as_ref().map(SessionFile::size)).unwrap_or(SIZE);
-        Ok(Asked { args: self, session, file, size, settings })
+        let size = self.size.or(session.as_ref().map(SessionFile::size)).unwrap_or_else(|| configuration.size());
+        let import = session.as_ref().map(SessionFile::import);
+        let options = self.import.options(import, configuration.import_options());
+        Ok(Asked { args: self, session, file, size, settings, options })
     }
 }
 
 impl Asked<'_> {
-    /// Loads the scene and says what is seen of it.
+    /// Loads the scene and says what is seen of it. The importer's notices are said if they are not those that were `said`
+    /// last.
     ///
     /// # Errors
     /// [`Exit::Input`] for a file that cannot be read or a session that does not fit it, [`Exit::Usage`] for names that the
     /// command line has wrong.
-    pub fn load(self, progress: &Progress) -> Result<(Scene, Session), Failure> {
-        let Asked { args, session, file, size, settings } = self;
-        let scene = load::scene(&file, progress)?;
+    pub fn load(self, said: &mut Vec<Notice>, progress: &Progress) -> Result<(Scene, Session), Failure> {
+        let Asked { args, session, file, size, settings, options } = self;
+        let (scene, _) = load::quietly(&file, &options, progress)?;
+        if scene.notices != *said {
+            load::say(&file, &scene.notices, progress);
+            said.clone_from(&scene.notices);
+        }
+        if args.import != Default::default() && file.to_str().is_some_and(|f| f.starts_with(BUILTIN)) {
+            progress.say(&format!("{}: is generated, so options for reading a model do nothing", load::shown(&file)));
+        }
         let path = args.session.as_deref().unwrap_or(Path::new(""));
         let kept = session.map(|s| s.resolve(&scene)).transpose();
         let kept = kept.map_err(|e| Failure::about(Exit::Input, path.display(), &e))?;
@@ -202,7 +216,8 @@ impl Asked<'_> {
                 camera_in_file(&args.camera.camera_around(&scene, &bounds, aspect)?, &scene)
             }
         };
-        Ok((scene, Session { file, size, camera, settings, arrangement }))
+        let (file, import) = (file.to_string_lossy().into_owned(), Importing::of(&options));
+        Ok((scene, Session { file, size, camera, settings, arrangement, import }))
     }
 }
 
@@ -221,6 +236,19 @@ fn read_session(path: &Path) -> Result<SessionFile, Failure> {
         _ => input(format!("{at}: {e}")),
     })?;
     Ok(session.rebased(path.parent().unwrap_or(Path::new(""))))
+}
+
+/// Checks that a session can name the model.
+///
+/// # Errors
+/// [`Exit::Usage`] for standard input, and for a name that TOML cannot hold.
+pub fn check_saved(file: &Path) -> Result<(), Failure> {
+    let cause = match file.to_str() {
+        Some(STDIN) => "standard input has no name that a session could keep".to_owned(),
+        None => format!("{}: the name is not UTF-8, so no session can keep it", file.display()),
+        Some(_) => return Ok(()),
+    };
+    Err(Failure::new(Exit::Usage, format!("--save-session: {cause}")))
 }
 
 /// A session as text, with its paths as they count from where it is written.
@@ -246,7 +274,7 @@ mod tests {
         }
         let words = std::iter::once("test").chain(line.split_whitespace());
         let line = <Line as clap::Parser>::try_parse_from(words).map_err(|e| Failure::new(Exit::Usage, e))?;
-        line.view.asked()?.load(&Progress::new())
+        line.view.asked(&Configuration::default())?.load(&mut Vec::new(), &Progress::new())
     }
 
     fn shot(line: &str) -> Session {
@@ -288,7 +316,7 @@ mod tests {
             }
             let words = line.split('|').map(str::to_owned).collect::<Vec<_>>();
             let line = <Line as clap::Parser>::try_parse_from(words).unwrap();
-            line.view.asked()?.load(&Progress::new())
+            line.view.asked(&Configuration::default())?.load(&mut Vec::new(), &Progress::new())
         };
         let (_, session) = quoted(format!("test|builtin:gearbox|--isolate|{a}|--hide|{b}|--select|{a}")).unwrap();
         let look = |part: u32| session.arrangement.look(part).presence;

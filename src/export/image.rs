@@ -1,7 +1,9 @@
-//! A picture in linear light, how pictures are put side by side, and how far two of them differ.
+//! A picture in linear light, how pictures are put side by side, and how they are read from files.
 
+use super::exr::{ExrError, MAGIC, read_exr};
+use super::png::{PngError, read_png};
 pub use crate::math::LinearImage;
-use crate::math::color::{linear_from_srgb, srgb_from_linear};
+use crate::math::color::linear_from_srgb;
 use crate::transfer::hex;
 
 impl LinearImage {
@@ -41,47 +43,23 @@ pub fn parse_background(text: &str) -> Result<Option<[f32; 3]>, String> {
         .ok_or_else(|| format!("background '{text}': expected none or the form #rrggbb"))
 }
 
-/// How far two pictures differ, over all channels of all pixels, in sRGB values from 0 to 1.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct Difference {
-    /// Largest difference.
-    pub max: f64,
-    /// Mean difference.
-    pub mean: f64,
-    /// Share of pixels of which some channel differs by more than 1/255.
-    pub visible: f64,
+/// Why a picture could not be read.
+#[derive(Debug, thiserror::Error)]
+pub enum PictureError {
+    /// It is no PNG, or a broken one.
+    #[error(transparent)]
+    Png(#[from] PngError),
+    /// It is a broken EXR, or one without a picture.
+    #[error(transparent)]
+    Exr(#[from] ExrError),
 }
 
-/// A difference of one 8-bit step counts as equal; half a step more allows for the rounding of 16-bit values.
-const STEP: f64 = 1.5 / 255.0;
-
-/// Compares two pictures as they would be encoded: sRGB values times alpha, and alpha.
+/// Decodes a PNG or an EXR, told apart by their first bytes, into premultiplied linear light.
 ///
 /// # Errors
-/// A sentence for the user if their sizes differ.
-pub fn compare(a: &LinearImage, b: &LinearImage) -> Result<Difference, String> {
-    if (a.width, a.height) != (b.width, b.height) {
-        return Err(format!("{}×{} pixels against {}×{}", a.width, a.height, b.width, b.height));
-    }
-    let mut result = Difference { max: 0.0, mean: 0.0, visible: 0.0 };
-    for (a, b) in a.pixels.iter().zip(&b.pixels) {
-        let (a, b) = (encoded(*a), encoded(*b));
-        let differences = a.iter().zip(b).map(|(a, b)| (a - b).abs());
-        let largest = differences.clone().fold(0.0, f64::max);
-        result.max = result.max.max(largest);
-        result.mean += differences.sum::<f64>();
-        result.visible += f64::from(u8::from(largest > STEP));
-    }
-    let count = a.pixels.len().max(1) as f64;
-    result.mean /= 4.0 * count;
-    result.visible /= count;
-    Ok(result)
-}
-
-fn encoded([r, g, b, a]: [f32; 4]) -> [f64; 4] {
-    let alpha = if a.is_nan() { 0.0 } else { f64::from(a).clamp(0.0, 1.0) };
-    let channel = |c: f32| if alpha > 0.0 { srgb_from_linear(f64::from(c) / f64::from(a)) * alpha } else { 0.0 };
-    [channel(r), channel(g), channel(b), alpha]
+/// [`PictureError`] if it is neither, or broken.
+pub fn read_picture(bytes: &[u8]) -> Result<LinearImage, PictureError> {
+    if bytes.starts_with(&MAGIC) { Ok(read_exr(bytes)?) } else { Ok(read_png(bytes)?) }
 }
 
 #[cfg(test)]
@@ -107,21 +85,5 @@ mod tests {
         assert_eq!((all.width, all.height), (8, 2));
         let row = [0.25, 0.25, 0.0, 0.5, 0.5, 0.0, 1.0, 1.0];
         assert_eq!(all.pixels.iter().map(|p| p[0]).collect::<Vec<_>>(), [row, row].concat());
-    }
-
-    #[test]
-    fn differences_are_measured() {
-        let mut a = LinearImage { width: 2, height: 1, pixels: vec![[1.0, 1.0, 1.0, 1.0]; 2] };
-        let mut b = a.clone();
-        assert_eq!(compare(&a, &b).unwrap(), Difference { max: 0.0, mean: 0.0, visible: 0.0 });
-        b.pixels[1] = [0.0, 1.0, 1.0, 1.0];
-        let d = compare(&a, &b).unwrap();
-        assert!((d.max - 1.0).abs() < 1e-9 && (d.mean - 0.125).abs() < 1e-9 && d.visible == 0.5, "{d:?}");
-        b.pixels[1] = [linear_from_srgb(254.0 / 255.0) as f32, 1.0, 1.0, 1.0];
-        assert_eq!(compare(&a, &b).unwrap().visible, 0.0);
-        // Colour under no coverage is no colour.
-        (a.pixels[0], b.pixels[0]) = ([0.5, 0.5, 0.5, 0.0], [0.0; 4]);
-        assert!(compare(&a, &b).unwrap().max < 0.01);
-        assert!(compare(&a, &LinearImage::clear(1, 2)).is_err());
     }
 }

@@ -8,10 +8,12 @@ mod bounds;
 mod camera;
 pub mod color;
 mod image;
+mod layer;
 mod lights;
 pub mod views;
 
 pub use bounds::{Bounds, Sphere};
 pub use camera::{Camera, Projection, ViewFrustum};
 pub use image::LinearImage;
+pub use layer::LayerImage;
 pub use lights::{DirectionalLight, Hemisphere, LightLevels, LightRig};

@@ -142,7 +142,7 @@ pub(super) fn plan_layers(
         (1, _) if otherwise_opaque => "1 material blends".to_owned(),
         (n @ 2.., _) if otherwise_opaque => format!("{n} materials blend"),
         (_, n @ 1..) if otherwise_opaque => format!("{} ghosted or translucent", counted(n, "is", "are")),
-        _ if otherwise_opaque => "a pixel is picked through".to_owned(),
+        _ if otherwise_opaque => "layers are read back".to_owned(),
         _ => "layers are transparent".to_owned(),
     };
     let buckets = features.is_some_and(|f| f.search == NeighbourSearch::Buckets);

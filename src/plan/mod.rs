@@ -14,7 +14,7 @@ mod tests;
 
 use serde::Serialize;
 
-use layers::{Draft, choose_capture, choose_features, counted, plan_layers, plan_sections};
+use layers::{Draft, choose_capture, choose_features, counted, plan_sections};
 pub use memory::{Band, PlannedBuffer, bands_of_rows};
 pub use pass::Pass;
 pub use refusal::Refusal;
@@ -325,7 +325,23 @@ pub fn plan_with(
     capabilities: &Capabilities,
     size: [u32; 2],
 ) -> Result<FramePlan, Refusal> {
-    plan_rows(settings, opacity, scene, view, capabilities, size, None)
+    plan_for(Purpose::Picture, settings, opacity, scene, view, capabilities, size)
+}
+
+/// Plans a frame whose layers are read back: one sample a pixel, its middle. Opaque frames are captured too, and curvature is
+/// always computed; the picture is that of [`plan`] with one sample.
+///
+/// # Errors
+/// As [`plan`].
+pub fn plan_layers(
+    settings: &Settings,
+    transfer: &TransferFunction,
+    scene: &SceneStats,
+    view: &ViewStats,
+    capabilities: &Capabilities,
+    size: [u32; 2],
+) -> Result<FramePlan, Refusal> {
+    plan_for(Purpose::Layers, settings, choose_opacity(settings, transfer), scene, view, capabilities, size)
 }
 
 /// Plans the layers of one pixel in `row` of a frame, and of as many rows around it as features reach: everything that the
@@ -342,18 +358,34 @@ pub fn plan_pick(
     size: [u32; 2],
     row: u32,
 ) -> Result<FramePlan, Refusal> {
-    plan_rows(settings, choose_opacity(settings, transfer), scene, view, capabilities, size, Some(row))
+    plan_for(Purpose::Pixel(row), settings, choose_opacity(settings, transfer), scene, view, capabilities, size)
 }
 
-fn plan_rows(
+/// What a plan is for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Purpose {
+    /// A picture.
+    Picture,
+    /// A picture and the layers that it is made of.
+    Layers,
+    /// The layers of a pixel in this row.
+    Pixel(u32),
+}
+
+fn plan_for(
+    purpose: Purpose,
     settings: &Settings,
     opacity: Opacity,
     scene: &SceneStats,
     view: &ViewStats,
     capabilities: &Capabilities,
     size: [u32; 2],
-    picked: Option<u32>,
 ) -> Result<FramePlan, Refusal> {
+    let picked = match purpose {
+        Purpose::Pixel(row) => Some(row),
+        Purpose::Picture | Purpose::Layers => None,
+    };
+    let read_back = purpose != Purpose::Picture;
     let [width, height] = size;
     if width == 0 || height == 0 {
         return Err(Refusal::EmptyImage { width, height });
@@ -382,7 +414,7 @@ fn plan_rows(
         && illustration.is_none()
         && scene.blended_materials == 0
         && scene.faded_parts == 0
-        && picked.is_none();
+        && !read_back;
     let capture = if all_opaque {
         draft.run(Pass::Opaque, "every surface is opaque: only the nearest can be seen");
         draft.run(Pass::ShowOpaque, "the opaque pass draws into a target of its own");
@@ -392,11 +424,11 @@ fn plan_rows(
     } else {
         choose_capture(settings, scene, capabilities, picked.is_some())?
     };
-    let with_curvature = opacity == Opacity::Curvature || picked.is_some();
+    let with_curvature = opacity == Opacity::Curvature || read_back;
     let features = (with_curvature || opacity == Opacity::NormalVariation || illustration.is_some())
         .then(|| choose_features(settings, scene, view, size, with_curvature, &mut draft));
     if capture != Capture::None {
-        plan_layers(&mut draft, settings, scene, capture, (features, opacity, illustration));
+        layers::plan_layers(&mut draft, settings, scene, capture, (features, opacity, illustration));
     }
     plan_sections(&mut draft, scene);
     match scene.selected_parts {
@@ -406,7 +438,7 @@ fn plan_rows(
             draft.run(Pass::Outline, "a line around what is selected");
         }
     }
-    let samples = if picked.is_some() { 1 } else { settings.image.samples };
+    let samples = if read_back { 1 } else { settings.image.samples };
     if samples > 1 {
         draft.run(Pass::Accumulate, format!("{samples} jittered frames are averaged"));
     } else {

@@ -8,7 +8,7 @@ use glam::DVec2;
 use super::reuse::{Kept, Origin, Stored, draw_stored};
 use super::targets::{Targets, texture};
 use super::whole::draw_whole;
-use super::{Frame, FrameReport, RenderError, Renderer};
+use super::{Frame, FrameReport, RenderError, Renderer, StoreReadback};
 use crate::gpu::{GpuError, PassTime, Recorder, Resource, go_on};
 use crate::math::color::linear_from_srgb;
 use crate::math::{Camera, LinearImage, Projection, ViewFrustum};
@@ -102,7 +102,7 @@ pub(super) fn draw(
         renderer.resources.set("opaque_colors", Resource::Texture(colors.clone()));
     }
 
-    let mut tally = Tally::default();
+    let mut tally = Tally { collected: renderer.collected.take().map(|_| Vec::new()), ..Tally::default() };
     let frustum = camera.frustum(&scene.stats.bounds);
     let layout = &renderer.shaders.shared.instances;
     let view_from_world = camera.view_from_world();
@@ -155,6 +155,7 @@ pub(super) fn draw(
                     light_layers(&mut context, Kept::Nothing)?;
                     composite::blend(&mut context)?;
                     work.finish(&mut tally)?;
+                    tally.collect(renderer, &plan, &view, band)?;
                 }
             }
             Capture::Compacted | Capture::LinkedList { .. } => {
@@ -189,6 +190,7 @@ pub(super) fn draw(
     {
         renderer.stored = Some(Stored { origin, layers: tally.layers, room: tally.room });
     }
+    renderer.collected = tally.collected;
     let report = FrameReport {
         kept,
         layers: tally.layers,
@@ -320,6 +322,26 @@ pub(super) struct Tally {
     pub(super) refilled: u32,
     /// Fragments and deepest pixel of a band of whole lists.
     pub(super) room: Option<(u64, u32)>,
+    /// The layers of each band, if they are wanted.
+    collected: Option<Vec<StoreReadback>>,
+}
+
+impl Tally {
+    /// Keeps the layers of a band that is done, if they are wanted.
+    pub(super) fn collect(
+        &mut self,
+        renderer: &Renderer,
+        plan: &FramePlan,
+        view: &View<'_>,
+        band: Band,
+    ) -> Result<(), RenderError> {
+        if let Some(collected) = &mut self.collected {
+            let pixels = |row: u32| (row - band.first_row) as usize * plan.size[0] as usize;
+            let rows = pixels(band.first_output_row)..pixels(band.end_output_row);
+            collected.push(renderer.decode(plan, view.scene, view.camera, rows)?);
+        }
+        Ok(())
+    }
 }
 
 /// A band at work: its frame uniform, its recorder, the renderer's resources.

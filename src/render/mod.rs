@@ -2,6 +2,7 @@
 
 mod frame;
 mod histogram;
+mod layers;
 mod pick;
 mod readback;
 mod reuse;
@@ -23,6 +24,7 @@ use crate::settings::{OpacityModel, Settings};
 use crate::transfer::{TransferError, TransferFunction};
 
 pub use histogram::LayerHistogram;
+pub use layers::Layers;
 pub use pick::PickedLayer;
 pub use readback::{PixelBuckets, StoreReadback};
 pub use reuse::Kept;
@@ -166,6 +168,8 @@ pub struct Renderer {
     /// The last transfer functions and their tables.
     tables: Option<(TransferFunction, [wgpu::Buffer; 2])>,
     targets: Option<targets::Targets>,
+    /// The layers of each band of the last frame; a frame that finds something here keeps its own.
+    collected: Option<Vec<StoreReadback>>,
     picking: pick::Picking,
 }
 
@@ -188,6 +192,7 @@ impl Renderer {
             stored: None,
             tables: None,
             targets: None,
+            collected: None,
             picking: pick::Picking::default(),
         })
     }

@@ -73,6 +73,7 @@ pub(super) fn draw_whole(
                 light_layers(&mut context, Kept::Nothing)?;
                 composite::blend(&mut context)?;
                 work.finish(tally)?;
+                tally.collect(renderer, plan, view, band)?;
                 tally.room = Some((fragments, deepest));
             } else {
                 work.submit_times(tally)?;

@@ -29,11 +29,18 @@
 //! offset = 0.25
 //! enabled = true
 //! caps = true
+//!
+//! [import]                      # how the model is read; left out where it is as usual
+//! parts = "component"           # or "node", "material", "file"
+//! variant = "midnight"
+//! crease_angle = 40.0           # degrees
 //! ```
 //!
 //! Numbers are written so that they are read as the same bits. Parts are named by path ([`PartNames`]) and become indices
 //! when the scene is there: [`Session::from_toml`] gives a [`SessionFile`], [`SessionFile::resolve`] the session.
 
+pub mod configuration;
+mod importing;
 mod names;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -42,6 +49,7 @@ use std::path::Path;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
+pub use importing::{Importing, LIMITS, Limit, PARTS, count, crease_angle, parts_name, parts_named};
 pub use names::{PartNameError, PartNames};
 
 use crate::math::{Camera, Projection};
@@ -65,6 +73,8 @@ pub struct Session {
     pub settings: Settings,
     /// How the parts are shown.
     pub arrangement: Arrangement,
+    /// How the model is read.
+    pub import: Importing,
 }
 
 /// A session whose scene is not there yet: its parts still have names.
@@ -75,6 +85,7 @@ pub struct SessionFile {
     camera: Camera,
     settings: Settings,
     arrangement: ArrangementText,
+    import: Importing,
 }
 
 /// Why a session cannot be read or written.
@@ -128,6 +139,8 @@ struct SessionText {
     settings: toml::Table,
     #[serde(default)]
     arrangement: ArrangementText,
+    #[serde(default, skip_serializing_if = "is_default")]
+    import: Importing,
 }
 
 /// [`Camera`], refusing what it does not know.
@@ -281,6 +294,7 @@ impl Session {
                     .map(|s| SectionText { normal: s.normal, offset: s.offset, enabled: s.enabled, caps: s.caps })
                     .collect(),
             },
+            import: self.import.clone(),
         };
         toml::to_string_pretty(&text).map_err(|e| unwritable(&e))
     }
@@ -297,10 +311,13 @@ impl Session {
         let CameraText { position, focal_point, view_up, projection } = parsed.camera;
         let camera = Camera { position, focal_point, view_up, projection };
         check_view(parsed.size, &camera)?;
+        if !(0.0..=180.0).contains(&parsed.import.crease_angle) {
+            return Err(SessionError::Value { what: "import.crease_angle", expected: "degrees from 0 to 180" });
+        }
         let mut settings = Settings::default();
         settings.merge(&parsed.settings)?;
-        let file =
-            SessionFile { file: parsed.file, size: parsed.size, camera, settings, arrangement: parsed.arrangement };
+        let SessionText { file, size, arrangement, import, .. } = parsed;
+        let file = SessionFile { file, size, camera, settings, arrangement, import };
         file.values().check_values()?;
         Ok(file)
     }
@@ -350,6 +367,11 @@ impl SessionFile {
         &self.settings
     }
 
+    /// How the model is read.
+    pub fn import(&self) -> &Importing {
+        &self.import
+    }
+
     /// The session with its relative paths counted from `folder`, where its file lies.
     #[must_use]
     pub fn rebased(mut self, folder: &Path) -> SessionFile {
@@ -396,7 +418,8 @@ impl SessionFile {
                 }
             }
         }
-        Ok(Session { file: self.file, size: self.size, camera: self.camera, settings: self.settings, arrangement })
+        let SessionFile { file, size, camera, settings, import, .. } = self;
+        Ok(Session { file, size, camera, settings, arrangement, import })
     }
 }
 

@@ -69,6 +69,7 @@ fn session() -> Session {
             ],
             selected: BTreeSet::from([0, 2]),
         },
+        import: Importing { crease_angle: 40.5, ..Importing::default() },
     }
 }
 

@@ -123,6 +123,17 @@ pub(super) fn find(path: &str, declarations: &[Declaration]) -> Result<Declarati
     })
 }
 
+/// The one of several names that a word was probably meant to be, if any is near.
+pub fn nearest<'a>(word: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let most = (word.chars().count() / 2).clamp(1, 4);
+    names
+        .into_iter()
+        .map(|name| (edit_distance(word, name), name))
+        .min()
+        .filter(|(distance, _)| *distance <= most)
+        .map(|(_, name)| name)
+}
+
 /// How many characters have to be changed, added or taken away to make one text of the other.
 pub(crate) fn edit_distance(a: &str, b: &str) -> usize {
     let b: Vec<char> = b.chars().collect();

@@ -1,6 +1,6 @@
 //! Looks: presets that set more than a transfer function. The transfer functions inside the program count as presets too.
 
-use super::{OpacityModel, Settings, SettingsError};
+use super::{OpacityModel, Settings, SettingsError, nearest};
 use crate::transfer::{self, TransferSource};
 
 /// A preset that is more than a transfer function.
@@ -120,12 +120,14 @@ pub const LOOKS: &[Look] = &[
 #[derive(Debug, thiserror::Error)]
 pub enum LookError {
     /// There is none of that name.
-    #[error("no preset is called '{name}'; there are {known}")]
+    #[error("no preset is called '{name}'; there are {known}{}", nearest.map(|n| format!("; did you mean '{n}'?")).unwrap_or_default())]
     Unknown {
         /// What was asked for.
         name: String,
         /// The names that exist, separated by commas.
         known: String,
+        /// The closest of them.
+        nearest: Option<&'static str>,
     },
     /// The preset does not fit the settings; a test keeps this from happening.
     #[error("{name}: {source}")]
@@ -156,7 +158,8 @@ pub fn apply(settings: &mut Settings, name: &str) -> Result<(), LookError> {
     }
     if !transfer::names().contains(&name) {
         let known: Vec<&str> = presets().map(|(name, _)| name).collect();
-        return Err(LookError::Unknown { name: name.to_owned(), known: known.join(", ") });
+        let nearest = nearest(name, known.iter().copied());
+        return Err(LookError::Unknown { name: name.to_owned(), known: known.join(", "), nearest });
     }
     settings.opacity.model = OpacityModel::Curvature;
     settings.opacity.transfer = TransferSource::Named(name.to_owned());

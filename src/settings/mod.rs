@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 
 pub use axis::{Axis, Effect, Knob, Technique, holds, text_at};
 pub(crate) use declare::edit_distance;
+pub use declare::nearest;
 pub use declare::{Declaration, Range};
 use declare::{choice, settings};
 pub use illustration::{

@@ -20,8 +20,18 @@ pub const STOPS: [(f64, [u8; 3]); 8] = [
 
 /// The colour of a difference: between two stops by the logarithm, below one step in proportion.
 pub fn color(steps: f64) -> [u8; 3] {
+    between_stops(if steps < 1.0 { steps.max(0.0) } else { 1.0 + steps.log2() })
+}
+
+/// The colour of a share from 0 to 1, as FLIP is: evenly along the same stops.
+pub fn color_of_share(share: f64) -> [u8; 3] {
+    between_stops(share.max(0.0) * (STOPS.len() - 1) as f64)
+}
+
+/// The colour at a place along the stops, of which the first is at 0 and the next at 1.
+fn between_stops(at: f64) -> [u8; 3] {
     let last = STOPS.len() - 1;
-    let at = if steps < 1.0 { steps.max(0.0) } else { 1.0 + steps.log2() }.min(last as f64);
+    let at = at.min(last as f64);
     let low = (at as usize).min(last - 1);
     let t = at - low as f64;
     std::array::from_fn(|c| {
@@ -62,6 +72,8 @@ mod tests {
         }
         assert_eq!(color(0.5), [19, 15, 46], "half of one step: half of its colour");
         assert_eq!(color(2.0 * 2f64.sqrt()), [110, 43, 138], "half-way by the logarithm");
+        assert_eq!((color_of_share(0.0), color_of_share(1.0)), (STOPS[0].1, STOPS[7].1));
+        assert_eq!((color_of_share(2.0 / 7.0), color_of_share(f64::NAN)), (STOPS[2].1, [0; 3]));
         assert_eq!((color(-1.0), color(f64::NAN), color(1e9)), ([0; 3], STOPS[7].1, STOPS[7].1));
     }
 

@@ -1,86 +1,13 @@
 //! Every subcommand through the real binary: exit codes, what goes to standard output and what to standard error, files.
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::Path;
 
 use image::{ColorType, ImageReader};
 use pellucid::scene::builtin;
 use serde_json::{Value, json};
-use tempfile::TempDir;
 
-use super::support::{boxes, glb, gpu};
-
-/// A folder with a model in it, `boxes.glb`: three boxes, one inside the other.
-struct Place {
-    folder: TempDir,
-}
-
-/// What a run of the program gave.
-struct Run {
-    code: Option<i32>,
-    out: Vec<u8>,
-    err: String,
-}
-
-impl Place {
-    fn new() -> Place {
-        let place = Place { folder: tempfile::tempdir().unwrap() };
-        let (json, binary) = boxes(3);
-        place.write("boxes.glb", &glb(&json, &binary));
-        place
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.folder.path().join(name)
-    }
-
-    fn write(&self, name: &str, data: &[u8]) {
-        std::fs::write(self.path(name), data).unwrap();
-    }
-
-    /// Runs the program in the folder, with what the environment says about logs and colours left out.
-    fn run(&self, line: &str) -> Run {
-        self.run_with(line, &[])
-    }
-
-    fn run_with(&self, line: &str, variables: &[(&str, &str)]) -> Run {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_pellucid"));
-        command.current_dir(self.folder.path()).args(line.split_whitespace());
-        for name in ["RUST_LOG", "NO_COLOR", "CLICOLOR_FORCE", "CLICOLOR", "FORCE_COLOR"] {
-            command.env_remove(name);
-        }
-        let Output { status, stdout, stderr } = command.envs(variables.iter().copied()).output().unwrap();
-        Run { code: status.code(), out: stdout, err: String::from_utf8(stderr).unwrap() }
-    }
-
-    /// Runs the program, which must succeed.
-    fn done(&self, line: &str) -> Run {
-        let run = self.run(line);
-        assert_eq!(run.code, Some(0), "{line}: {}", run.err);
-        run
-    }
-
-    /// Runs the program, which must fail with `code`, write nothing to standard output, and end with one line that has
-    /// all the `words`.
-    fn fails(&self, code: i32, line: &str, words: &[&str]) -> Run {
-        let run = self.run(line);
-        assert_eq!(run.code, Some(code), "{line}: {}", run.err);
-        assert!(run.out.is_empty(), "{line}: {}", String::from_utf8_lossy(&run.out));
-        let last = if code == 2 { &run.err } else { run.err.lines().last().unwrap_or_default() };
-        assert!(words.iter().all(|w| last.contains(w)), "{line}: {words:?} in {}", run.err);
-        run
-    }
-}
-
-impl Run {
-    fn text(&self) -> String {
-        String::from_utf8(self.out.clone()).unwrap()
-    }
-
-    fn json(&self) -> Value {
-        serde_json::from_slice(&self.out).unwrap_or_else(|e| panic!("{e}: {}", String::from_utf8_lossy(&self.out)))
-    }
-}
+use super::place::Place;
+use super::support::{boxes, glb, gpu, program};
 
 fn size_and_color(png: &[u8]) -> ((u32, u32), ColorType) {
     let picture = ImageReader::with_format(std::io::Cursor::new(png), image::ImageFormat::Png).decode().unwrap();
@@ -108,6 +35,10 @@ fn help_names_commands_environment_and_exit_codes() {
         "transfer",
         "assets",
         "bench",
+        "compare",
+        "config",
+        "completions",
+        "man",
         "tradeoff",
         "hard-cases",
     ] {
@@ -148,11 +79,11 @@ fn a_wrong_command_line_exits_with_2() {
     place.fails(2, "paint boxes.glb", &["paint"]);
     place.fails(2, "render boxes.glb", &["--output"]);
     place.fails(2, "render boxes.glb -o a.png --size 10", &["--size", "1920x1080"]);
-    place.fails(2, "render boxes.glb -o a.png --bits 12", &["8 or 16"]);
+    place.fails(2, "render boxes.glb -o a.png --bits 12", &["8, 16 or 32"]);
     place.fails(2, "render boxes.glb -o a.png --k 65", &["capture.bucketed_k_buffer.k", "1 to 64"]);
     place.fails(2, "render boxes.glb -o a.png --set opacity.gian=2", &["did you mean 'opacity.gain'"]);
     place.fails(2, "render boxes.glb -o a.png --set opacity.gain", &["PATH=VALUE"]);
-    place.fails(2, "render boxes.glb -o a.png --preset glass", &["'glass'", "x-ray", "paper"]);
+    place.fails(2, "render boxes.glb -o a.png --preset papr", &["'papr'", "x-ray", "did you mean 'paper'"]);
     place.fails(2, "render boxes.glb -o a.png --transfer glass", &["'glass'"]);
     place.fails(2, "render boxes.glb -o a.png --background white", &["#rrggbb"]);
     place.fails(2, "render boxes.glb -o a.png --camera nowhere", &["'nowhere'", "isometric"]);
@@ -161,6 +92,9 @@ fn a_wrong_command_line_exits_with_2() {
     place.fails(2, "render boxes.glb -o - --stats -", &["standard output"]);
     place.fails(2, "render boxes.glb -o a.png --stats a.png", &["the same file"]);
     place.fails(2, "render builtin:no-such-scene -o a.png", &["no-such-scene", "gearbox"]);
+    place.fails(2, "render builtin:gearbx -o a.png", &["did you mean 'gearbox'"]);
+    place.fails(2, "boxes.glb render boxes.glb", &["render", "no such command"]);
+    place.fails(2, "boxes.glb --no-config render boxes.glb -o a.png", &["boxes.glb", "before the command"]);
     place.fails(2, "bench", &["buckets", "frame", "illustration", "flicker"]);
     assert!(!place.path("a.png").exists() && !place.path("a.jpg").exists());
 }
@@ -416,8 +350,12 @@ fn references_that_match_differ_or_are_missing() {
     place.done("render boxes.glb -o r.png --size 32x32");
     place.done("render boxes.glb --reference r.png --threshold 0 --size 32x32");
     let look = "--size 32x32 --opacity opaque";
-    place.fails(5, &format!("render boxes.glb --reference r.png {look}"), &["r.png", "threshold 0.002"]);
-    place.fails(5, "render boxes.glb --reference r.png --size 31x32", &["r.png", "31×32"]);
+    place.fails(
+        5,
+        &format!("render boxes.glb --reference r.png {look}"),
+        &["r.png", "mean error above the threshold 0.002"],
+    );
+    place.fails(5, "render boxes.glb --reference r.png --size 31x32", &["r.png", "31×32", "32×32"]);
     let run = place.run(&format!("render boxes.glb --reference r.png --stats d.json {look}"));
     let stats: Value = serde_json::from_slice(&std::fs::read(place.path("d.json")).unwrap()).unwrap();
     assert_eq!(run.code, Some(5));
@@ -561,7 +499,7 @@ fn built_in_scenes_work_wherever_a_file_does() {
 #[test]
 fn a_reader_that_goes_away_is_no_failure() {
     let place = Place::new();
-    let mut child = Command::new(env!("CARGO_BIN_EXE_pellucid"))
+    let mut child = program()
         .current_dir(place.folder.path())
         .arg("settings")
         .stdout(std::process::Stdio::piped())
@@ -572,7 +510,7 @@ fn a_reader_that_goes_away_is_no_failure() {
     let output = child.wait_with_output().unwrap();
     assert_eq!((output.status.code(), output.stderr.len()), (Some(0), 0));
     // Nor one of messages: the code is that of the failure.
-    let mut child = Command::new(env!("CARGO_BIN_EXE_pellucid"))
+    let mut child = program()
         .current_dir(place.folder.path())
         .args(["inspect", "nothing-there.glb"])
         .stderr(std::process::Stdio::piped())

@@ -99,6 +99,8 @@ impl Desk {
             .env("DISPLAY", &display)
             .env_remove("WAYLAND_DISPLAY")
             .env("XDG_CONFIG_HOME", folder.path())
+            .env("XDG_CONFIG_DIRS", folder.path())
+            .env_remove("PELLUCID_CONFIG")
             // No desktop: dialogs are lines in the window.
             .env("PATH", "")
             .env("DBUS_SESSION_BUS_ADDRESS", "disabled:")

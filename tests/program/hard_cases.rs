@@ -1,15 +1,14 @@
 //! `pellucid hard-cases` through the real binary, and the table in the README.
 
-use std::process::{Command, Output};
+use std::process::Output;
 
 use pellucid::tradeoff::hard_cases;
 use serde_json::Value;
 
-use super::support::{gpu, repository};
+use super::support::{gpu, program, repository};
 
 fn run(line: &str) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_pellucid"));
-    command.arg("hard-cases").args(line.split_whitespace()).env_remove("RUST_LOG").output().unwrap()
+    program().arg("hard-cases").args(line.split_whitespace()).output().unwrap()
 }
 
 fn text(bytes: &[u8]) -> String {
@@ -34,8 +33,7 @@ fn names_that_no_case_has_are_usage_and_no_adapter_is_said() {
     let unknown = run("t01 t77");
     assert_eq!(unknown.status.code(), Some(2));
     assert!(text(&unknown.stderr).contains("'t77'") && unknown.stdout.is_empty());
-    let mut command = Command::new(env!("CARGO_BIN_EXE_pellucid"));
-    let none = command.args(["hard-cases", "t01"]).env("WGPU_ADAPTER_NAME", "nonexistent").output().unwrap();
+    let none = program().args(["hard-cases", "t01"]).env("WGPU_ADAPTER_NAME", "nonexistent").output().unwrap();
     assert_eq!(none.status.code(), Some(4), "{}", text(&none.stderr));
 }
 

@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use pellucid::app::camera;
 use pellucid::scene::{Arrangement, Scene, builtin};
-use pellucid::session::{Session, camera_in_file};
+use pellucid::session::{Importing, Session, camera_in_file};
 use pellucid::settings::Settings;
 
 use super::desk::{Desk, tools_are_there};
@@ -82,7 +82,8 @@ fn session_of(file: &str, scene: &Scene, pairs: &str) -> String {
     let size = [720, 520];
     let camera = camera_in_file(&camera::first(&scene.bounds(), 720.0 / 520.0), scene);
     let (file, settings) = (file.to_owned(), Settings::from_pairs(pairs).unwrap());
-    Session { file, size, camera, settings, arrangement: Arrangement::default() }.to_toml(scene).unwrap()
+    let import = Importing::default();
+    Session { file, size, camera, settings, arrangement: Arrangement::default(), import }.to_toml(scene).unwrap()
 }
 
 /// Turns and drags what there is to drag, each for as long, and prints how long the frames took that showed it.

@@ -1,15 +1,14 @@
 //! Sessions through the real binary: what `--save-session` writes, `--session` renders again bit for bit.
 
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
 use serde_json::{Value, json};
 
-use super::support::{boxes, full, glb, gpu};
+use super::support::{boxes, full, glb, gpu, program};
 
 fn run(folder: &Path, words: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_pellucid"));
-    command.current_dir(folder).args(words).env_remove("RUST_LOG").output().unwrap()
+    program().current_dir(folder).args(words).output().unwrap()
 }
 
 fn done(folder: &Path, words: &[&str]) -> Output {

@@ -1,6 +1,7 @@
 //! What the tests of the program share: the adapter or the reason for going without, and small models.
 
 use std::path::PathBuf;
+use std::process::Command;
 use std::sync::OnceLock;
 
 use pellucid::gpu::{Gpu, GpuOptions};
@@ -9,6 +10,15 @@ use serde_json::{Value, json};
 /// The top of the project.
 pub fn repository() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// The program, out of reach of whoever runs the tests: without their configuration, and without what they log.
+pub fn program() -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_pellucid"));
+    let nowhere = repository().join("target/no configuration is here");
+    command.env("XDG_CONFIG_HOME", &nowhere).env("XDG_CONFIG_DIRS", &nowhere);
+    command.env_remove("PELLUCID_CONFIG").env_remove("RUST_LOG");
+    command
 }
 
 /// Whether the expensive matrices are wanted whole.

@@ -1,12 +1,12 @@
 //! `pellucid tradeoff` through the real binary: the report's files, and limits for continuous integration.
 
 use std::path::PathBuf;
-use std::process::{Command, Output};
+use std::process::Output;
 
 use serde_json::Value;
 use tempfile::TempDir;
 
-use super::support::{boxes, glb, gpu};
+use super::support::{boxes, glb, gpu, program};
 
 /// A folder with a model of three boxes.
 struct Place(TempDir);
@@ -29,8 +29,8 @@ impl Place {
 
     /// Exit code, standard output and standard error.
     fn run(&self, line: &str) -> (Option<i32>, String, String) {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_pellucid"));
-        command.current_dir(self.0.path()).args(line.split_whitespace()).env_remove("RUST_LOG");
+        let mut command = program();
+        command.current_dir(self.0.path()).args(line.split_whitespace());
         let Output { status, stdout, stderr } = command.output().unwrap();
         (status.code(), String::from_utf8(stdout).unwrap(), String::from_utf8(stderr).unwrap())
     }

@@ -102,7 +102,7 @@ pub fn copy_command_line(workspace: &mut Workspace) {
     let Some(document) = &workspace.document else {
         return;
     };
-    match command_line::of(document, workspace.viewport.size) {
+    match command_line::of(document, &workspace.configuration, workspace.viewport.size) {
         Ok(line) => {
             workspace.asks.push(Ask::Copy(line));
             workspace.say(Gravity::Note, "The command line is on the clipboard.");

@@ -8,11 +8,13 @@ use serde::Serialize;
 use super::{Session, print_rows};
 use crate::cli::camera::{CameraArgs, positive};
 use crate::cli::failure::{Exit, Failure};
+use crate::cli::importing::ImportArgs;
 use crate::cli::looks::LookArgs;
 use crate::cli::options::size;
 use crate::cli::output::Progress;
 use crate::export::image::parse_background;
 use crate::export::png::{png_of_rgba8, write_png};
+use crate::import::ImportOptions;
 use crate::settings::{OpacityModel, Settings};
 use crate::tradeoff::difference;
 use crate::tradeoff::flicker::{Changes, OrbitOptions, Pair};
@@ -23,6 +25,9 @@ pub struct FlickerArgs {
     /// Models, or builtin:NAME
     #[arg(default_values_t = ["builtin:gearbox", "builtin:engine"].map(str::to_owned))]
     pub files: Vec<String>,
+    /// How they are read.
+    #[command(flatten)]
+    pub import: ImportArgs,
     /// From where the orbit begins
     #[command(flatten)]
     pub camera: CameraArgs,
@@ -69,16 +74,17 @@ struct Row {
 ///
 /// # Errors
 /// [`Failure`] of the adapter, the files or the renderer.
-pub fn run(args: &FlickerArgs, progress: &Progress) -> Result<(), Failure> {
+pub fn run(args: &FlickerArgs, configured: &ImportOptions, progress: &Progress) -> Result<(), Failure> {
     let mut usual = Settings::default();
     usual.opacity.model = OpacityModel::Illustrative;
     let settings = args.look.settings_over(usual)?;
     let background = parse_background(&settings.image.background).map_err(|e| Failure::new(Exit::Usage, e))?;
     let options =
         OrbitOptions { size: args.size, frames: args.frames, degrees: args.step, samples: args.against, background };
+    let import = args.import.options(None, configured.clone());
     let mut rows = Vec::new();
     for file in &args.files {
-        let scene = crate::cli::load::scene(file, progress)?;
+        let scene = crate::cli::load::scene(Path::new(file), &import, progress)?;
         let camera = args.camera.camera(&scene, f64::from(args.size[0]) / f64::from(args.size[1]))?;
         let mut session = Session::open(&scene)?;
         let mut say = |frame| progress.stage(&format!("{file}: frame {} of {}", frame + 1, args.frames));

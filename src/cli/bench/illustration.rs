@@ -1,14 +1,18 @@
 //! `pellucid bench illustration`: what each step of the illustration buffer costs against the number of fragments (Carnecky 2013,
 //! section 6: every one is linear), and what the iterations add to a frame.
 
+use std::path::Path;
+
 use clap::Args;
 use serde::Serialize;
 
 use super::{Candidate, middle, print_rows, settings_of};
 use crate::cli::camera::CameraArgs;
 use crate::cli::failure::Failure;
+use crate::cli::importing::ImportArgs;
 use crate::cli::output::{Progress, grouped};
 use crate::gpu::PassTime;
+use crate::import::ImportOptions;
 use crate::plan::Pass;
 use crate::tradeoff::statistics::exponent;
 use crate::tradeoff::sweep::median_passes;
@@ -19,6 +23,9 @@ pub struct IllustrationArgs {
     /// Models, or builtin:NAME
     #[arg(default_values_t = ["builtin:gearbox", "builtin:engine"].map(str::to_owned))]
     pub files: Vec<String>,
+    /// How they are read.
+    #[command(flatten)]
+    pub import: ImportArgs,
     /// From where they are looked at
     #[command(flatten)]
     pub camera: CameraArgs,
@@ -113,17 +120,23 @@ fn time_of(passes: &[PassTime], step: &[Pass]) -> f64 {
 ///
 /// # Errors
 /// [`Failure`] of the adapter, the file or the renderer.
-pub fn run(args: &IllustrationArgs, progress: &Progress) -> Result<(), Failure> {
+pub fn run(args: &IllustrationArgs, configured: &ImportOptions, progress: &Progress) -> Result<(), Failure> {
+    let options = args.import.options(None, configured.clone());
     let mut all = Vec::new();
     for file in &args.files {
-        all.push(measure(args, file, progress)?);
+        all.push(measure(args, file, &options, progress)?);
     }
     let text: String = all.iter().map(|rows| table(rows, args.runs)).collect();
     print_rows(&all, &text, args.json)
 }
 
-fn measure(args: &IllustrationArgs, file: &str, progress: &Progress) -> Result<ModelRows, Failure> {
-    let scene = crate::cli::load::scene(file, progress)?;
+fn measure(
+    args: &IllustrationArgs,
+    file: &str,
+    options: &ImportOptions,
+    progress: &Progress,
+) -> Result<ModelRows, Failure> {
+    let scene = crate::cli::load::scene(Path::new(file), options, progress)?;
     let camera = args.camera.camera(&scene, 1.0)?;
     let lists = ("capture.kind", "linked_list".to_owned());
     // As in the paper: lengths in pixels, an adaptive base, isotropic.
