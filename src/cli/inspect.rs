@@ -22,6 +22,8 @@ pub struct Report {
     /// What became a part and why.
     #[serde(skip_serializing_if = "String::is_empty")]
     partition: String,
+    /// Material variants that can be chosen, by name.
+    variants: Vec<String>,
     parts: Vec<PartFacts>,
     nodes: Vec<NodeFacts>,
     materials: Vec<MaterialFacts>,
@@ -160,6 +162,7 @@ impl Report {
             meshes: scene.meshes.len(),
             bounds: box_of(&stats.bounds),
             partition: scene.partition.clone(),
+            variants: scene.variants.clone(),
             parts: parts.collect(),
             nodes: nodes.collect(),
             materials: materials.collect(),
@@ -199,6 +202,10 @@ impl Report {
         }
         if !self.partition.is_empty() {
             writeln!(out, "parts   {}", printable(&self.partition))?;
+        }
+        if !self.variants.is_empty() {
+            let names: Vec<String> = self.variants.iter().map(|name| format!("'{}'", printable(name))).collect();
+            writeln!(out, "variants {} (for --variant)", names.join(", "))?;
         }
         writeln!(out, "\nhierarchy")?;
         self.write_hierarchy(out)?;

@@ -167,6 +167,8 @@ fn once(
     let own = std::path::absolute(target).ok();
     followed.retain(|path| std::path::absolute(path).ok() != own);
     asked.options.cancel = cancel.clone();
+    // Read, not mapped: what is watched is about to be written, and a mapping that is cut off ends the program.
+    asked.options.map_from = u64::MAX;
     let progress = Progress::new();
     let drawn = draw(args, asked, encoding, studio, &progress).and_then(|drawn| match drawn {
         Some(drawn) => {

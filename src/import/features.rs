@@ -49,8 +49,42 @@ pub struct Feature {
 
 /// All rows, format by format.
 pub fn table() -> Vec<Feature> {
-    gltf::features()
+    let others = OTHERS.iter().map(|&(format, feature, treatment, note)| Feature { format, feature, treatment, note });
+    gltf::features().into_iter().chain(others).collect()
 }
+
+/// Rows of the formats without lists of their own.
+const OTHERS: &[(&str, &str, Treatment, &str)] = {
+    use Treatment::{Approximated, Ignored, Read, Refused};
+    &[
+        ("OBJ", "polygons", Read, "concave ones too; triangulated in their plane"),
+        ("OBJ", "negative indices, continued lines, bytes that are not UTF-8", Read, ""),
+        ("OBJ", "indices that point nowhere", Refused, "with the number of the line"),
+        ("OBJ", "objects and groups", Read, "parts; without them connected components are"),
+        ("OBJ", "smoothing groups", Read, "where there are no normals"),
+        ("OBJ", "colours behind vertices", Read, "as sRGB"),
+        ("OBJ", "coordinates far from the origin", Read, "in double precision, and re-based"),
+        (
+            "OBJ",
+            "materials (MTL)",
+            Approximated,
+            "Phong's terms become metalness and roughness, without a notice for each",
+        ),
+        ("OBJ", "material files and textures that are missing", Ignored, "the model is shown without"),
+        ("OBJ", "points, lines, curves, surfaces of higher order", Ignored, "only polygons are shown"),
+        ("STL", "ASCII and binary", Read, "told apart by length"),
+        ("STL", "normals of facets", Approximated, "computed from welded triangles, with a crease angle"),
+        ("STL", "solids of an ASCII file", Read, "parts; a single one is divided into connected components"),
+        ("STL", "colours in the attribute bytes", Ignored, "two dialects contradict each other"),
+        ("PLY", "ASCII, binary of both byte orders", Read, ""),
+        ("PLY", "polygons and triangle strips", Read, ""),
+        ("PLY", "normals, texture coordinates", Read, ""),
+        ("PLY", "colours of vertices and faces", Read, "as sRGB"),
+        ("PLY", "coordinates in double precision", Read, "re-based where they lie far from the origin"),
+        ("PLY", "other elements and properties", Ignored, ""),
+        ("all others", "STEP, IGES, FBX, USD and so on", Refused, "unless the configuration names a converter"),
+    ]
+};
 
 /// The table as plain text, a row a line.
 pub fn text() -> String {

@@ -150,6 +150,9 @@ pub const LIMITS: &[Limit] = &limits! {
     image_side: "width and height of an image, pixels",
     image_pixels: "pixels of all images together",
     node_depth: "levels of the node hierarchy",
+    instances: "instances that EXT_mesh_gpu_instancing makes, all nodes together",
+    parts: "parts into which materials or connected components divide a model",
+    converter_seconds: "seconds that a converter may take",
 };
 
 impl Limit {

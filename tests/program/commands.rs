@@ -127,7 +127,7 @@ fn input_that_cannot_be_read_exits_with_3_and_names_the_file() {
         ("missing.glb", &["No such file"] as &[&str]),
         ("short.glb", &["bytes"]),
         ("text.glb", &["glTF"]),
-        ("model.step", &[".gltf and .glb"]),
+        ("model.step", &["unknown kind", "gmsh"]),
         ("draco.glb", &["KHR_draco_mesh_compression", "not supported"]),
         ("far.glb", &["accessors[2]"]),
     ] {

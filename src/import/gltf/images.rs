@@ -131,11 +131,8 @@ fn open<'a>(
         (Some(_), Some(_)) => return Err(Fault::invalid(place, "has both a uri and a bufferView")),
         (None, None) => return Err(Fault::invalid(place, "has neither a uri nor a bufferView")),
     };
-    let (width, height) = if ktx2::is_ktx2(&bytes) {
-        ktx2::check(&bytes, place, limits)?
-    } else {
-        dimensions(&bytes, place, limits)?
-    };
+    let (width, height) =
+        if ktx2::is_ktx2(&bytes) { ktx2::check(&bytes, place, limits)? } else { dimensions(&bytes, place, limits)? };
     let kind = kind(&bytes);
     if let Some(said) = &image.mime_type
         && kind.is_some_and(|kind| kind != said.0)

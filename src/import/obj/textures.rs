@@ -9,7 +9,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::mtl::Map;
-use crate::import::images::{decode, dimensions};
+use crate::import::images::{Lost, decode, dimensions};
 use crate::import::{Fallible, Fault, ImportOptions, Notices, uri};
 use crate::scene::{Image, Mip, NoticeKind, Texture, TextureRef, Wrap};
 
@@ -69,7 +69,7 @@ impl Textures {
                 Err(fault) => left_out(fault, notices)?,
             }
         }
-        let decoded: Vec<Fallible<(Image, bool)>> = encoded
+        let decoded: Vec<Fallible<(Image, Lost)>> = encoded
             .par_iter()
             .map(|(file, bytes)| {
                 options.cancel.go_on()?;
