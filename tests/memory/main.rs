@@ -82,6 +82,7 @@ fn limits() -> Limits {
         image_pixels: 1 << 20,
         node_depth: 64,
         instances: 1 << 10,
+        ..Limits::default()
     }
 }
 
