@@ -116,10 +116,10 @@ fn input_that_cannot_be_read_exits_with_3_and_names_the_file() {
     place.write("short.glb", &whole[..whole.len() - 10]);
     place.write("text.glb", b"solid cube\n");
     place.write("model.step", b"ISO-10303-21;");
-    let mut draco = json.clone();
-    draco["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]);
-    draco["extensionsUsed"] = draco["extensionsRequired"].clone();
-    place.write("draco.glb", &glb(&draco, &binary));
+    let mut needy = json.clone();
+    needy["extensionsRequired"] = json!(["EXAMPLE_other_geometry"]);
+    needy["extensionsUsed"] = needy["extensionsRequired"].clone();
+    place.write("needy.glb", &glb(&needy, &binary));
     let mut far = json;
     far["accessors"][2]["count"] = json!(3000);
     place.write("far.glb", &glb(&far, &binary));
@@ -128,7 +128,7 @@ fn input_that_cannot_be_read_exits_with_3_and_names_the_file() {
         ("short.glb", &["bytes"]),
         ("text.glb", &["glTF"]),
         ("model.step", &["unknown kind", "gmsh"]),
-        ("draco.glb", &["KHR_draco_mesh_compression", "not supported"]),
+        ("needy.glb", &["EXAMPLE_other_geometry", "not supported"]),
         ("far.glb", &["accessors[2]"]),
     ] {
         for command in ["render -o a.png", "plan", "inspect", "inspect --json"] {

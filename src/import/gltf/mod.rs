@@ -69,7 +69,6 @@ pub(super) fn read(bytes: &[u8], name: &str, folder: Option<&Path>, options: &Im
     let root = &document.root;
     let begin = if decoded.is_empty() { 0.0 } else { 0.5 };
     let geometry = geometry::read(root, &data, materials, begin, options, &mut notices)?;
-    tell(Phase::Finishing);
     let hierarchy = nodes::read(root, &data, &geometry.meshes, &options.limits, &mut notices)?;
     let mut scene = Scene {
         name: name.to_owned(),

@@ -390,7 +390,7 @@ fn every_fault_is_refused_or_told() {
             let ending = if bytes.starts_with(b"glT") { "glb" } else { "gltf" };
             std::fs::write(folder.join(format!("{}.{ending}", issue.code)), &bytes).unwrap();
         }
-        match (issue.handling, load_bytes(&bytes, "test", Some(std::path::Path::new(".")))) {
+        match (issue.handling, load_bytes(&bytes, "test.gltf", Some(std::path::Path::new(".")))) {
             (Handling::Refused, Err(e)) if e.to_string().contains(part) => {}
             (Handling::Told, Ok(scene)) if scene.notices.iter().any(|n| n.message.contains(part)) => {}
             (handling, Err(e)) => wrong.push(format!("{}: {handling:?}, but {e}", issue.code)),
