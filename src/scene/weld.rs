@@ -15,7 +15,7 @@ use rustc_hash::FxBuildHasher;
 /// Elements that one thread hashes at a time.
 const CHUNK: usize = 1 << 16;
 /// A power of two.
-const BUCKETS: usize = 128;
+const BUCKETS: usize = 256;
 /// Below this many elements one table does.
 const SMALL: usize = 1 << 14;
 
@@ -45,14 +45,15 @@ pub fn weld<const N: usize>(count: usize, key: impl Fn(usize) -> [u32; N] + Sync
         }
         return welded;
     }
-    // The elements of every bucket, chunk by chunk, so that those of a bucket are in order.
-    let dealt: Vec<Vec<Vec<u32>>> = (0..count.div_ceil(CHUNK))
+    // The elements of every bucket with their keys, chunk by chunk, so that those of a bucket are in order. Keys are copied
+    // because looking them up where they are would miss the cache each time.
+    let dealt: Vec<Vec<Vec<(u32, [u32; N])>>> = (0..count.div_ceil(CHUNK))
         .into_par_iter()
         .map(|chunk| {
-            let mut buckets: Vec<Vec<u32>> =
-                (0..BUCKETS).map(|_| Vec::with_capacity(CHUNK / BUCKETS * 5 / 4)).collect();
+            let mut buckets: Vec<Vec<_>> = (0..BUCKETS).map(|_| Vec::with_capacity(CHUNK / BUCKETS * 5 / 4)).collect();
             for i in chunk * CHUNK..((chunk + 1) * CHUNK).min(count) {
-                buckets[hash(key(i)) as usize % BUCKETS].push(i as u32);
+                let key = key(i);
+                buckets[hash(key) as usize % BUCKETS].push((i as u32, key));
             }
             buckets
         })
@@ -61,21 +62,22 @@ pub fn weld<const N: usize>(count: usize, key: impl Fn(usize) -> [u32; N] + Sync
     let same: Vec<AtomicU32> = (0..count).into_par_iter().map(|_| AtomicU32::new(0)).collect();
     (0..BUCKETS).into_par_iter().for_each(|bucket| {
         let size = dealt.iter().map(|chunk| chunk[bucket].len()).sum::<usize>();
-        // Open addressing; an entry is an element's number, `u32::MAX` is none.
+        let mut firsts: Vec<(u32, [u32; N])> = Vec::new();
+        // Open addressing; an entry is a place in `firsts`, `u32::MAX` is none.
         let mask = (2 * size).next_power_of_two().max(2) - 1;
         let mut table = vec![u32::MAX; mask + 1];
-        for &i in dealt.iter().flat_map(|chunk| &chunk[bucket]) {
-            let own = key(i as usize);
-            let mut at = (hash(own) >> 32) as usize & mask;
+        for &(i, key) in dealt.iter().flat_map(|chunk| &chunk[bucket]) {
+            let mut at = (hash(key) >> 32) as usize & mask;
             let first = loop {
-                match table[at] {
-                    u32::MAX => {
-                        table[at] = i;
-                        break i;
-                    }
-                    other if key(other as usize) == own => break other,
-                    _ => at = (at + 1) & mask,
+                let Some(&(first, other)) = firsts.get(table[at] as usize) else {
+                    table[at] = firsts.len() as u32;
+                    firsts.push((i, key));
+                    break i;
+                };
+                if other == key {
+                    break first;
                 }
+                at = (at + 1) & mask;
             };
             same[i as usize].store(first, Relaxed);
         }

@@ -29,6 +29,8 @@ const SAME_NORMAL: f64 = 0.01;
 const SAME_PLANE: f64 = 1.0 - 1e-9;
 /// Above this many facets at a vertex coplanar ones are not looked for (the search is quadratic).
 const PLANE_SEARCH: usize = 64;
+/// So many points of a large mesh are asked whether its normals are averages at all.
+const SAMPLE: usize = 8192;
 /// So many vertices are told apart at one point.
 const MOST_GROUPS: usize = 256;
 /// Points that one thread takes at a time.
@@ -166,39 +168,41 @@ fn reweighted(primitive: &mut Primitive, fans: &Fans) -> bool {
         to_max: f64,
         to_average: [f64; 4],
     }
-    let points: Vec<Option<Point>> = (0..fans.len())
-        .into_par_iter()
-        .map(|point| {
-            let corners = fans.corners_of(point);
-            let &corner = corners.first()?;
-            let vertex = primitive.triangles[corner as usize / 3][corner as usize % 3] as usize;
-            let stored = Vec3::from(primitive.normals[vertex]).as_dvec3().try_normalize()?;
-            let max = corners.iter().map(|&c| fans.max_weighted(c)).sum::<DVec3>().try_normalize()?;
-            // A file whose winding is the other way round averages the opposite normals.
-            let sign = if max.dot(stored) < 0.0 { -1.0 } else { 1.0 };
-            let to_average =
-                fans.averages(corners).map(|a| a.try_normalize().map_or(2.0, |a| (a * sign).distance(stored)));
-            Some(Point { max: max * sign, to_max: (max * sign).distance(stored), to_average })
-        })
-        .collect();
-    let known = points.iter().flatten().count();
-    if known == 0 {
-        return false;
-    }
-    let rms = |of: &dyn Fn(&Point) -> f64| {
-        // Clamped: a few custom normals must not decide.
-        (points.iter().flatten().map(|p| of(p).min(4.0 * tolerance).powi(2)).sum::<f64>() / known as f64).sqrt()
+    let point = |point: usize| {
+        let corners = fans.corners_of(point);
+        let &corner = corners.first()?;
+        let vertex = primitive.triangles[corner as usize / 3][corner as usize % 3] as usize;
+        let stored = Vec3::from(primitive.normals[vertex]).as_dvec3().try_normalize()?;
+        let max = corners.iter().map(|&c| fans.max_weighted(c)).sum::<DVec3>().try_normalize()?;
+        // A file whose winding is the other way round averages the opposite normals.
+        let sign = if max.dot(stored) < 0.0 { -1.0 } else { 1.0 };
+        let to_average = fans.averages(corners).map(|a| a.try_normalize().map_or(2.0, |a| (a * sign).distance(stored)));
+        Some(Point { max: max * sign, to_max: (max * sign).distance(stored), to_average })
     };
-    let fits = |a: usize| points.iter().flatten().filter(|p| p.to_average[a] <= tolerance).count() as f64;
-    let best = (0..4)
-        .filter(|&a| fits(a) >= AGREEING_SHARE * known as f64)
-        .map(|a| (a, rms(&|p| p.to_average[a])))
-        .min_by(|a, b| a.1.total_cmp(&b.1));
-    let Some((average, error)) = best else { return false };
-    // Analytic normals of a fine tessellation are near every average, but nearest to Max's.
-    if error > 0.5 * rms(&|p| p.to_max) {
-        return false;
+    // The average that at least this share of the points agrees with, and that fits better than Max's by this factor.
+    let average_of = |points: &[Option<Point>], share: f64, factor: f64| {
+        let known = points.iter().flatten().count();
+        let rms = |of: &dyn Fn(&Point) -> f64| {
+            // Clamped: a few custom normals must not decide.
+            (points.iter().flatten().map(|p| of(p).min(4.0 * tolerance).powi(2)).sum::<f64>() / known as f64).sqrt()
+        };
+        let fits = |a: usize| points.iter().flatten().filter(|p| p.to_average[a] <= tolerance).count() as f64;
+        let (average, error) = (0..4)
+            .filter(|&a| known > 0 && fits(a) >= share * known as f64)
+            .map(|a| (a, rms(&|p| p.to_average[a])))
+            .min_by(|a, b| a.1.total_cmp(&b.1))?;
+        // Analytic normals of a fine tessellation are near every average, but nearest to Max's.
+        (error <= factor * rms(&|p| p.to_max)).then_some(average)
+    };
+    // Of a large mesh a sample is asked first, less strictly: most have normals that are no average.
+    if fans.len() > 4 * SAMPLE {
+        let sample: Vec<Option<Point>> = (0..fans.len()).step_by(fans.len() / SAMPLE).map(point).collect();
+        if average_of(&sample, AGREEING_SHARE - 0.1, 1.0).is_none() {
+            return false;
+        }
     }
+    let points: Vec<Option<Point>> = (0..fans.len()).into_par_iter().map(point).collect();
+    let Some(average) = average_of(&points, AGREEING_SHARE, 0.5) else { return false };
     let mut changed = false;
     for (corners, point) in fans.iter().zip(&points) {
         let Some(point) = point else { continue };
