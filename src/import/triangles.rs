@@ -66,6 +66,19 @@ pub(super) fn welded(corners: &[[f32; 3]], place: &str, notices: &mut Notices) -
 /// What the length of a unit vector may be off by: a little more than bytes make of it.
 pub(super) const UNIT: f64 = 2e-2;
 
+/// Makes a unit vector of a normal; gives its number and length where there was something to do, length 0 where it has no
+/// direction. What is a unit vector but for rounding stays bit for bit.
+fn normalize((number, stored): (usize, &mut [f32; 3])) -> Option<(usize, f64)> {
+    let normal = Vec3::from(*stored).as_dvec3();
+    let length = normal.length();
+    if (length - 1.0).abs() < 1e-4 {
+        return None;
+    }
+    let has_direction = length.is_finite() && length >= 1e-12;
+    *stored = if has_direction { (normal / length).as_vec3().to_array() } else { [0.0; 3] };
+    Some((number, if has_direction { length } else { 0.0 }))
+}
+
 /// Gives a primitive the normals that its file has for its vertices (`stored`), or computes them; says whether they are the
 /// file's (and so the vertices still the file's).
 pub(super) fn given_normals(
@@ -76,25 +89,10 @@ pub(super) fn given_normals(
     notices: &mut Notices,
 ) -> bool {
     let given = stored.is_some();
-    let (mut bad, mut long) = (Vec::new(), 0);
-    if let Some(stored) = stored {
-        p.normals = stored;
-        for (i, stored) in p.normals.iter_mut().enumerate() {
-            let normal = Vec3::from(*stored).as_dvec3();
-            let length = normal.length();
-            // What is a unit vector but for rounding stays bit for bit.
-            if (length - 1.0).abs() < 1e-4 {
-                continue;
-            }
-            *stored = if !length.is_finite() || length < 1e-12 {
-                bad.push(i);
-                [0.0; 3]
-            } else {
-                long += u64::from((length - 1.0).abs() > UNIT);
-                (normal / length).as_vec3().to_array()
-            };
-        }
-    }
+    p.normals = stored.unwrap_or_default();
+    let odd: Vec<(usize, f64)> = p.normals.par_iter_mut().enumerate().filter_map(normalize).collect();
+    let bad: Vec<usize> = odd.iter().filter(|(_, length)| *length == 0.0).map(|(i, _)| *i).collect();
+    let long = odd.iter().filter(|(_, length)| *length > 0.0 && (length - 1.0).abs() > UNIT).count() as u64;
     notices.count(NoticeKind::Repaired, "normals were not of unit length and were normalized", long, place);
     let what = "normals were zero or not finite and were computed";
     notices.count(NoticeKind::Repaired, what, bad.len() as u64, place);

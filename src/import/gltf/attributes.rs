@@ -3,6 +3,7 @@
 use gltf_json::accessor::{ComponentType, Type};
 use gltf_json::mesh::{Mode, Primitive as Source, Semantic};
 use gltf_json::validation::Checked;
+use rayon::prelude::*;
 
 use super::accessor::{Accessor, Data};
 use super::{Fallible, Fault, Notices};
@@ -100,25 +101,19 @@ pub(super) fn corners(
     // Checked when the accessors were: at most `Limits::vertices`.
     let count = |n: u64| u32::try_from(n).map_err(|_| Fault::limit(place, "vertices", n, u32::MAX.into()));
     let Some(indices) = indices else {
-        return Ok((0..count(vertices)?).collect());
+        return Ok((0..count(vertices)?).into_par_iter().collect());
     };
+    let corners: Vec<u32> = (0..count(indices.count)?).into_par_iter().map(|i| indices.index(i)).collect();
+    if let Some(i) = corners.par_iter().position_first(|&index| u64::from(index) >= vertices) {
+        let cause = format!("number {i} is {}, the primitive has {vertices} vertices ({})", corners[i], indices.place);
+        return Err(Fault::invalid(format!("{place}.indices"), cause));
+    }
     // The largest value of its type starts strips anew on GPUs, so that glTF forbids it.
     let restart = u32::MAX >> (32 - 8 * indices.component.size().clamp(1, 4) as u32);
-    let mut restarts = 0;
-    let corners = (0..count(indices.count)?)
-        .map(|i| {
-            let index = indices.index(i);
-            if u64::from(index) < vertices {
-                restarts += u64::from(index == restart);
-                return Ok(index);
-            }
-            let cause = format!("number {i} is {index}, the primitive has {vertices} vertices ({})", indices.place);
-            Err(Fault::invalid(format!("{place}.indices"), cause))
-        })
-        .collect();
+    let restarts = corners.par_iter().filter(|&&index| index == restart).count() as u64;
     let what = "indices have the largest value of their type, which glTF does not allow; they were read as vertices";
     notices.count(NoticeKind::Repaired, what, restarts, place);
-    corners
+    Ok(corners)
 }
 
 /// Triangles from corners, in order, all wound as the first (glTF 2.0, 3.7.2.1), and how many corners are left over.
@@ -139,9 +134,8 @@ pub(super) fn triangles(corners: &[u32], mode: Mode) -> (Vec<[u32; 3]>, usize) {
             (triangles.filter(proper).collect(), if corners.len() < 3 { corners.len() } else { 0 })
         }
         Mode::Triangles => {
-            let whole = corners.chunks_exact(3);
-            let left = whole.remainder().len();
-            (whole.map(|c| [c[0], c[1], c[2]]).collect(), left)
+            let whole = corners.par_chunks_exact(3);
+            (whole.map(|c| [c[0], c[1], c[2]]).collect(), corners.len() % 3)
         }
         Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip => (Vec::new(), 0),
     }

@@ -98,6 +98,18 @@ fn budget(primitives: &[(usize, String, &Source)], data: &Data, options: &Import
     Ok(())
 }
 
+/// Replaces the values that are not `good`; says how many there were.
+fn mended<T: Copy + Send>(values: &mut [T], good: impl Fn(&T) -> bool + Sync, instead: impl Fn(T) -> T + Sync) -> u64 {
+    let mend = |value: &mut T| {
+        let bad = !good(value);
+        if bad {
+            *value = instead(*value);
+        }
+        u64::from(bad)
+    };
+    values.par_iter_mut().map(mend).sum()
+}
+
 impl Context<'_> {
     /// One primitive; `None` if nothing of it is drawn.
     fn primitive(&self, source: &Source, place: &str, notices: &mut Notices) -> Fallible<Option<Primitive>> {
@@ -128,19 +140,19 @@ impl Context<'_> {
 
         // Positions first: they decide which triangles, and so which vertices, are there.
         let used = compact(&mut triangles, found.positions.count);
-        let positions: Vec<[f32; 3]> = used.iter().map(|&v| found.positions.numbers(v)).collect();
+        let mut positions: Vec<[f32; 3]> = used.par_iter().map(|&v| found.positions.numbers(v)).collect();
+        let mut vertices = used;
+        let count = triangles.len();
         clean(&mut triangles, &positions, place, notices);
-        let kept = compact(&mut triangles, positions.len() as u64);
+        if triangles.len() < count {
+            let kept = compact(&mut triangles, positions.len() as u64);
+            positions = kept.par_iter().map(|&k| positions[k as usize]).collect();
+            vertices = kept.par_iter().map(|&k| vertices[k as usize]).collect();
+        }
         if triangles.is_empty() {
             return Ok(None);
         }
-        let vertices: Vec<u32> = kept.iter().map(|&k| used[k as usize]).collect();
-        let mut primitive = Primitive {
-            positions: kept.iter().map(|&k| positions[k as usize]).collect(),
-            triangles,
-            material,
-            ..Primitive::default()
-        };
+        let mut primitive = Primitive { positions, triangles, material, ..Primitive::default() };
         self.uvs_and_colors(&mut primitive, &found, &vertices, place, notices);
         let own_normals = self.normals(&mut primitive, &found, &vertices, place, notices);
         self.tangents(&mut primitive, &found, &vertices, own_normals, place, notices);
@@ -157,16 +169,9 @@ impl Context<'_> {
     ) {
         for (set, accessor) in found.uvs.iter().enumerate() {
             let Some(accessor) = accessor else { continue };
-            let mut bad = 0;
-            let read = |&v: &u32| {
-                let uv: [f32; 2] = accessor.numbers(v);
-                if uv.iter().all(|c| c.is_finite()) {
-                    return uv;
-                }
-                bad += 1;
-                [0.0; 2]
-            };
-            p.uvs[set] = vertices.iter().map(read).collect();
+            let mut uvs: Vec<[f32; 2]> = vertices.par_iter().map(|&v| accessor.numbers(v)).collect();
+            let bad = mended(&mut uvs, |uv| uv.iter().all(|c| c.is_finite()), |_| [0.0; 2]);
+            p.uvs[set] = uvs;
             notices.count(NoticeKind::Repaired, "texture coordinates were not finite and became 0", bad, place);
         }
         if let Some(accessor) = found.colors {
@@ -174,19 +179,14 @@ impl Context<'_> {
             let whole = accessor.component != gltf_json::accessor::ComponentType::F32 && !accessor.normalized;
             let what = "primitives have integer vertex colours that are not marked as normalized; read as if they were";
             notices.count(NoticeKind::Repaired, what, whole.into(), place);
-            let mut bad = 0;
             let read = |&v: &u32| {
-                let mut color: [f32; 4] = accessor.numbers_as(v, true);
-                if opaque {
-                    color[3] = 1.0;
-                }
-                if color.iter().all(|c| (0.0..=1.0).contains(c)) {
-                    return color;
-                }
-                bad += 1;
-                color.map(|c| if c.is_nan() { 1.0 } else { c.clamp(0.0, 1.0) })
+                let [r, g, b, a]: [f32; 4] = accessor.numbers_as(v, true);
+                [r, g, b, if opaque { 1.0 } else { a }]
             };
-            p.colors = vertices.iter().map(read).collect();
+            let mut colors: Vec<[f32; 4]> = vertices.par_iter().map(read).collect();
+            let clamped = |color: [f32; 4]| color.map(|c| if c.is_nan() { 1.0 } else { c.clamp(0.0, 1.0) });
+            let bad = mended(&mut colors, |color| color.iter().all(|c| (0.0..=1.0).contains(c)), clamped);
+            p.colors = colors;
             notices.count(NoticeKind::Repaired, "vertex colours were outside 0 to 1 and were clamped", bad, place);
         }
         let material = &self.materials[p.material];
@@ -204,7 +204,7 @@ impl Context<'_> {
         place: &str,
         notices: &mut Notices,
     ) -> bool {
-        let stored = found.normals.map(|accessor| vertices.iter().map(|&v| accessor.numbers(v)).collect());
+        let stored = found.normals.map(|accessor| vertices.par_iter().map(|&v| accessor.numbers(v)).collect());
         given_normals(p, stored, self.options, place, notices)
     }
 
