@@ -129,7 +129,7 @@ pub fn show(ui: &mut Ui, rect: Rect, workspace: &mut Workspace) {
         };
         let paint = Paint { picture: Arc::clone(shown), slot: 1, origin: viewport.origin, size: viewport.size, moved };
         let left = rect.with_max_x(x);
-        ui.painter().with_clip_rect(left).add(egui_wgpu::Callback::new_paint_callback(rect, paint));
+        ui.painter().with_clip_rect(left).add(paint.within(rect));
     }
     compare.divider = divider(ui, rect, &line);
 }

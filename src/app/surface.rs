@@ -4,20 +4,20 @@
 //! clamped. A lost or outdated surface is configured again; after a lost device everything here is made anew.
 
 mod damage;
+mod painter;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use egui_wgpu::{Renderer, RendererOptions, ScreenDescriptor};
 use wgpu::CurrentSurfaceTexture as Current;
 use winit::event_loop::ActiveEventLoop;
 use winit::window::Window;
 
 use damage::Damage;
+use painter::Painter;
 
 use super::AppError;
-use super::viewport::Screen;
 
 /// Surfaces that are made anew in a row before the device is held to be lost.
 const MOST_REMADE: u32 = 8;
@@ -51,7 +51,7 @@ pub struct Surface {
     queue: wgpu::Queue,
     config: wgpu::SurfaceConfiguration,
     largest: u32,
-    renderer: Renderer,
+    painter: Painter,
     /// The window's last frame, where only what has changed is drawn: on a software rasterizer.
     canvas: Option<Canvas>,
     lost: Arc<AtomicBool>,
@@ -120,9 +120,7 @@ impl Surface {
             config.usage |= wgpu::TextureUsages::COPY_DST;
             Canvas { texture: None, damage: Damage::default() }
         });
-        let options = RendererOptions { dithering: false, ..Default::default() };
-        let mut renderer = Renderer::new(&device, format, options);
-        renderer.callback_resources.insert(Screen::new(&device, format));
+        let painter = Painter::new(&device, format);
         let largest = device.limits().max_texture_dimension_2d;
         tracing::debug!("window: {}, {format:?}, {present_mode:?}", adapter.get_info().name);
         let mut new = Surface {
@@ -133,7 +131,7 @@ impl Surface {
             queue,
             config,
             largest,
-            renderer,
+            painter,
             canvas,
             lost,
             remade: 0,
@@ -184,14 +182,14 @@ impl Surface {
         let drawn = catch_unwind(AssertUnwindSafe(|| {
             for (id, deltas) in set {
                 for delta in &deltas {
-                    self.renderer.update_texture(&self.device, &self.queue, id, delta);
+                    self.painter.update_texture(&self.device, &self.queue, id, delta);
                 }
             }
             self.present(shapes, pixels_per_point, trace)
         }));
         let drawn = drawn.unwrap_or(Drawn::Lost);
         for id in std::mem::take(&mut textures.free) {
-            self.renderer.free_texture(&id);
+            self.painter.free_texture(id);
         }
         if self.lost.load(Ordering::Relaxed) { Drawn::Lost } else { drawn }
     }
@@ -248,7 +246,7 @@ impl Surface {
             Current::Validation => return Drawn::Lost,
         };
         self.remade = 0;
-        let screen = ScreenDescriptor { size_in_pixels: [self.config.width, self.config.height], pixels_per_point };
+        let size = [self.config.width, self.config.height];
         let mut encoder = self.device.create_command_encoder(&Default::default());
         let kept = self.canvas.is_some();
         let (target, patches) = match &mut self.canvas {
@@ -260,9 +258,9 @@ impl Surface {
             None => (shapes, wgpu::LoadOp::Clear(wgpu::Color::BLACK)),
             Some(patch) => (patch, wgpu::LoadOp::Load),
         };
-        let extra = self.renderer.update_buffers(&self.device, &self.queue, &mut encoder, shapes, &screen);
+        self.painter.upload(&self.device, &self.queue, shapes, size, pixels_per_point);
         {
-            let pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some("window"),
                 color_attachments: &[Some(wgpu::RenderPassColorAttachment {
                     view: &target.create_view(&Default::default()),
@@ -275,12 +273,12 @@ impl Surface {
                 occlusion_query_set: None,
                 multiview_mask: None,
             });
-            self.renderer.render(&mut pass.forget_lifetime(), shapes, &screen);
+            self.painter.paint(&mut pass, shapes, size);
         }
         if kept {
             encoder.copy_texture_to_texture(target.as_image_copy(), frame.texture.as_image_copy(), target.size());
         }
-        self.queue.submit(extra.into_iter().chain([encoder.finish()]));
+        self.queue.submit([encoder.finish()]);
         self.window.pre_present_notify();
         self.queue.present(frame);
         if trace {

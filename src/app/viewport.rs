@@ -10,8 +10,6 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat3, DVec2, DVec3, DVec4};
 
-use egui_wgpu::{CallbackResources, CallbackTrait, ScreenDescriptor};
-
 use crate::math::{Bounds, Camera};
 
 /// A picture to show.
@@ -39,6 +37,13 @@ pub struct Paint {
     /// From the viewport to the picture, both from −1 to 1 with y up, homogeneous ([`moved_along`]); `None` if the picture is of
     /// just this view.
     pub moved: Option<DMat3>,
+}
+
+impl Paint {
+    /// The callback, as a shape of egui's.
+    pub fn within(self, rect: egui::Rect) -> egui::Shape {
+        egui::Shape::Callback(egui::PaintCallback { rect, callback: Arc::new(self) })
+    }
 }
 
 /// A view: a camera and the size of its viewport, pixels.
@@ -139,6 +144,7 @@ impl Screen {
             bind_group_layouts: &[Some(&layout)],
             immediate_size: 0,
         });
+        let encodes = [("encodes", f64::from(u8::from(format.is_srgb())))];
         let pipeline = |show| {
             device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
                 label: Some(show),
@@ -155,7 +161,7 @@ impl Screen {
                 fragment: Some(wgpu::FragmentState {
                     module: &shader,
                     entry_point: Some(show),
-                    compilation_options: Default::default(),
+                    compilation_options: wgpu::PipelineCompilationOptions { constants: &encodes, ..Default::default() },
                     targets: &[Some(format.into())],
                 }),
                 multiview_mask: None,
@@ -225,48 +231,33 @@ impl Screen {
     }
 }
 
-impl CallbackTrait for Paint {
-    fn prepare(
-        &self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        _screen: &ScreenDescriptor,
-        _encoder: &mut wgpu::CommandEncoder,
-        resources: &mut CallbackResources,
-    ) -> Vec<wgpu::CommandBuffer> {
+impl Paint {
+    /// Brings the picture to the device, unless it is there.
+    pub fn upload(&self, device: &wgpu::Device, queue: &wgpu::Queue, screen: &mut Screen) {
         let limit = device.limits().max_texture_dimension_2d;
-        let fits = self.picture.size.iter().all(|&n| n > 0 && n <= limit);
-        if let Some(screen) = resources.get_mut::<Screen>()
-            && fits
-        {
-            screen.upload(device, queue, self.slot, &self.picture);
-            let floats = |v: [u32; 2]| v.map(|n| n as f32);
-            let moved = self.moved.unwrap_or(DMat3::IDENTITY);
-            let background = self.picture.background.unwrap_or_default();
-            let place = Place {
-                origin: floats(self.origin),
-                size: floats(self.size),
-                moved: [moved.x_axis, moved.y_axis, moved.z_axis].map(|c| c.as_vec3().extend(0.0).to_array()),
-                checker: f32::from(u8::from(self.picture.background.is_none())),
-                _pad: [0.0; 3],
-                background: [background[0], background[1], background[2], 1.0],
-            };
-            if let Some(slot) = screen.slots.get(self.slot) {
-                queue.write_buffer(&slot.place, 0, bytemuck::bytes_of(&place));
-            }
+        if !self.picture.size.iter().all(|&n| n > 0 && n <= limit) {
+            return;
         }
-        Vec::new()
+        screen.upload(device, queue, self.slot, &self.picture);
+        let floats = |v: [u32; 2]| v.map(|n| n as f32);
+        let moved = self.moved.unwrap_or(DMat3::IDENTITY);
+        let background = self.picture.background.unwrap_or_default();
+        let place = Place {
+            origin: floats(self.origin),
+            size: floats(self.size),
+            moved: [moved.x_axis, moved.y_axis, moved.z_axis].map(|c| c.as_vec3().extend(0.0).to_array()),
+            checker: f32::from(u8::from(self.picture.background.is_none())),
+            _pad: [0.0; 3],
+            background: [background[0], background[1], background[2], 1.0],
+        };
+        if let Some(slot) = screen.slots.get(self.slot) {
+            queue.write_buffer(&slot.place, 0, bytemuck::bytes_of(&place));
+        }
     }
 
-    fn paint(
-        &self,
-        info: egui::PaintCallbackInfo,
-        pass: &mut wgpu::RenderPass<'static>,
-        resources: &CallbackResources,
-    ) {
-        let Some((screen, picture)) =
-            resources.get::<Screen>().and_then(|s| Some((s, s.slots.get(self.slot)?.picture.as_ref()?)))
-        else {
+    /// Draws it where egui's clipping lets it show. The pass's viewport and pipeline are other ones then.
+    pub fn paint(&self, info: &egui::PaintCallbackInfo, pass: &mut wgpu::RenderPass, screen: &Screen) {
+        let Some(picture) = screen.slots.get(self.slot).and_then(|s| s.picture.as_ref()) else {
             return;
         };
         let [width, height] = info.screen_size_px;

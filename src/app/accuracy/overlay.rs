@@ -62,7 +62,7 @@ pub fn show(ui: &mut Ui, rect: Rect, workspace: &mut Workspace) {
         let (origin, size) = (workspace.viewport.origin, workspace.viewport.size);
         let paint = Paint { picture, slot: 1, origin, size, moved: None };
         let left = rect.with_max_x(divider.x(ui, rect));
-        ui.painter().with_clip_rect(left).add(egui_wgpu::Callback::new_paint_callback(rect, paint));
+        ui.painter().with_clip_rect(left).add(paint.within(rect));
     }
     let at = compare::divider(ui, rect, &divider);
     workspace.accuracy.divider = Some((overlay, at));

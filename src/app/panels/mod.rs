@@ -81,7 +81,7 @@ fn picture(ui: &mut Ui, workspace: &mut Workspace) {
                 viewport::moved_along((then, *of), (&d.seen.camera, size), &d.scene.bounds())
             });
             let paint = Paint { picture: screen.shown.clone(), slot: 0, origin: [left, top], size, moved };
-            ui.painter().add(egui_wgpu::Callback::new_paint_callback(rect, paint));
+            ui.painter().add(paint.within(rect));
             if workspace.accuracy.overlay == Overlay::Off {
                 compare::show(ui, rect, workspace);
             } else {

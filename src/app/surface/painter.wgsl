@@ -1,0 +1,46 @@
+// Egui's meshes: coloured triangles, with a texture or without. Colours are encoded in sRGB with premultiplied alpha, as egui
+// has them, and are blended so.
+
+struct Window {
+    // Points.
+    size: vec2f,
+}
+
+@group(0) @binding(0) var<uniform> window: Window;
+@group(1) @binding(0) var image: texture_2d<f32>;
+@group(1) @binding(1) var filtered: sampler;
+
+// Whether the surface encodes what is written to it.
+override encodes: bool = false;
+
+struct Corner {
+    @builtin(position) position: vec4f,
+    @location(0) color: vec4f,
+    @location(1) uv: vec2f,
+}
+
+@vertex
+fn corner(@location(0) at: vec2f, @location(1) uv: vec2f, @location(2) color: vec4f) -> Corner {
+    let there = 2.0 * at / window.size - 1.0;
+    return Corner(vec4f(there.x, -there.y, 0.0, 1.0), color, uv);
+}
+
+fn written(color: vec4f) -> vec4f {
+    if encodes {
+        let c = color.rgb;
+        let linear = select(pow((c + 0.055) / 1.055, vec3f(2.4)), c / 12.92, c <= vec3f(0.04045));
+        return vec4f(linear, color.a);
+    }
+    return color;
+}
+
+@fragment
+fn plain(corner: Corner) -> @location(0) vec4f {
+    return written(corner.color);
+}
+
+@fragment
+fn textured(corner: Corner) -> @location(0) vec4f {
+    // There is one level, so there is nothing to find out from derivatives.
+    return written(corner.color * textureSampleLevel(image, filtered, corner.uv, 0.0));
+}
