@@ -5,7 +5,7 @@ use std::fmt;
 use serde::de::{Deserializer, SeqAccess, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
 
-use super::points::{ControlPoint, Interpolation, Points, check_range, interpolate};
+use super::points::{ControlPoint, Interpolant, Interpolation, Points, check_range};
 use super::raster::Raster;
 
 /// How a value of the colour function acts on a lit colour.
@@ -86,15 +86,22 @@ impl ColorFunction {
 
     /// The value at `kappa`, clamped to [−1, 1]. Neutral for a strip that has not been loaded.
     pub fn sample(&self, kappa: f64) -> [f64; 3] {
+        self.sampler()(kappa)
+    }
+
+    /// [`ColorFunction::sample`] for many places: what they have in common is computed once.
+    pub fn sampler(&self) -> Box<dyn Fn(f64) -> [f64; 3] + '_> {
         match &self.shape {
             ColorShape::Points { interpolation, points } => {
-                let xs = points.positions();
-                std::array::from_fn(|c| {
-                    let ys: Vec<f64> = points.as_slice().iter().map(|p| p.color.0[c]).collect();
-                    interpolate(&xs, &ys, *interpolation, kappa)
-                })
+                let channels: [Interpolant; 3] = std::array::from_fn(|c| {
+                    let values = points.as_slice().iter().map(|p| p.color.0[c]).collect();
+                    Interpolant::new(points.positions(), values, *interpolation)
+                });
+                Box::new(move |kappa| std::array::from_fn(|c| channels[c].at(kappa)))
             }
-            ColorShape::Strip(raster) => raster.sample([kappa * 0.5 + 0.5, 1.0]).unwrap_or([0.5; 3]),
+            ColorShape::Strip(raster) => {
+                Box::new(move |kappa| raster.sample([kappa * 0.5 + 0.5, 1.0]).unwrap_or([0.5; 3]))
+            }
         }
     }
 }

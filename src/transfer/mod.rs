@@ -58,7 +58,7 @@ pub use error::TransferError;
 pub(crate) use error::place_of;
 pub use formats::{Exported, Format, Imported};
 pub use histogram::Histogram2d;
-pub use opacity::{OpacityCurve, OpacityFunction, OpacityPoint, OpacityShape};
+pub use opacity::{OpacityCurve, OpacityFunction, OpacityPoint, OpacitySampler, OpacityShape};
 pub use points::{ControlPoint, Interpolation, Points};
 pub use presets::{Preset, names, presets};
 pub use raster::Raster;

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::points::{ControlPoint, Interpolation, Points, check_range, interpolate};
+use super::points::{ControlPoint, Interpolant, Interpolation, Points, check_range};
 use super::raster::Raster;
 
 /// An opacity at an absolute curvature; in text `[kappa, opacity]`.
@@ -66,28 +66,63 @@ impl OpacityFunction {
 
     /// Opacity at `depth01` and `abs_kappa`, both clamped to [0, 1]. Clear for an image that has not been loaded.
     pub fn sample(&self, depth01: f64, abs_kappa: f64) -> f64 {
+        self.sampler().at(depth01, abs_kappa)
+    }
+
+    /// For many samples: what they have in common is computed once.
+    pub fn sampler(&self) -> OpacitySampler<'_> {
+        OpacitySampler(match &self.shape {
+            OpacityShape::Curves { interpolation, depth_interpolation, curves } => Sampled::Curves {
+                depths: curves.positions(),
+                over_depth: *depth_interpolation,
+                curves: curves.as_slice().iter().map(|c| c.interpolant(*interpolation)).collect(),
+            },
+            OpacityShape::Image(raster) => Sampled::Image(raster),
+        })
+    }
+}
+
+/// Samples an opacity function.
+pub struct OpacitySampler<'a>(Sampled<'a>);
+
+enum Sampled<'a> {
+    Curves { depths: Vec<f64>, over_depth: Interpolation, curves: Vec<Interpolant> },
+    Image(&'a Raster),
+}
+
+impl OpacitySampler<'_> {
+    /// Opacity, see [`OpacityFunction::sample`].
+    pub fn at(&self, depth01: f64, abs_kappa: f64) -> f64 {
         self.row(abs_kappa)(depth01)
     }
 
-    /// Opacity over depth at one |κ|: what is common to a row of the table is done once.
-    pub(super) fn row(&self, abs_kappa: f64) -> Box<dyn Fn(f64) -> f64 + '_> {
-        match &self.shape {
-            OpacityShape::Curves { interpolation, depth_interpolation, curves } => {
-                let depths = curves.positions();
-                let values: Vec<f64> = curves.as_slice().iter().map(|c| c.sample(*interpolation, abs_kappa)).collect();
-                Box::new(move |depth| interpolate(&depths, &values, *depth_interpolation, depth))
+    /// Opacity over depth at one |κ|.
+    pub fn row(&self, abs_kappa: f64) -> Box<dyn Fn(f64) -> f64 + '_> {
+        match &self.0 {
+            Sampled::Curves { depths, over_depth, curves } => {
+                let values = curves.iter().map(|c| c.at(abs_kappa)).collect();
+                let row = Interpolant::new(depths.clone(), values, *over_depth);
+                Box::new(move |depth| row.at(depth))
             }
-            OpacityShape::Image(raster) => {
+            Sampled::Image(raster) => {
                 Box::new(move |depth| raster.sample([depth, abs_kappa]).map_or(0.0, |[grey, ..]| grey))
             }
+        }
+    }
+
+    /// Opacity of the curve with this number, which is the function's at that curve's depth; clear if there is none.
+    pub fn on_curve(&self, number: usize, abs_kappa: f64) -> f64 {
+        match &self.0 {
+            Sampled::Curves { curves, .. } => curves.get(number).map_or(0.0, |c| c.at(abs_kappa)),
+            Sampled::Image(_) => 0.0,
         }
     }
 }
 
 impl OpacityCurve {
-    fn sample(&self, interpolation: Interpolation, abs_kappa: f64) -> f64 {
-        let opacities: Vec<f64> = self.points.as_slice().iter().map(|p| p.opacity).collect();
-        interpolate(&self.points.positions(), &opacities, interpolation, abs_kappa)
+    fn interpolant(&self, interpolation: Interpolation) -> Interpolant {
+        let opacities = self.points.as_slice().iter().map(|p| p.opacity).collect();
+        Interpolant::new(self.points.positions(), opacities, interpolation)
     }
 }
 

@@ -174,6 +174,38 @@ pub(super) fn check_range(name: &str, value: f64, least: f64, most: f64) -> Resu
 /// can be read off its samples.
 pub(super) fn interpolate(xs: &[f64], ys: &[f64], mode: Interpolation, x: f64) -> f64 {
     let count = xs.len().min(ys.len());
+    between(xs, ys, mode, x, |j| slope(&xs[..count], &ys[..count], j))
+}
+
+/// [`interpolate`] for many places: what they have in common is computed once.
+pub(super) struct Interpolant {
+    xs: Vec<f64>,
+    ys: Vec<f64>,
+    /// Of the monotone cubic; none in other modes.
+    slopes: Vec<f64>,
+    mode: Interpolation,
+}
+
+impl Interpolant {
+    /// As many positions as values.
+    pub(super) fn new(mut xs: Vec<f64>, mut ys: Vec<f64>, mode: Interpolation) -> Interpolant {
+        let count = xs.len().min(ys.len());
+        xs.truncate(count);
+        ys.truncate(count);
+        let has_slopes = mode == Interpolation::Monotone && count > 1;
+        let slopes = if has_slopes { (0..count).map(|j| slope(&xs, &ys, j)).collect() } else { Vec::new() };
+        Interpolant { xs, ys, slopes, mode }
+    }
+
+    /// The value at `x`.
+    pub(super) fn at(&self, x: f64) -> f64 {
+        between(&self.xs, &self.ys, self.mode, x, |j| self.slopes.get(j).copied().unwrap_or_default())
+    }
+}
+
+/// The value at `x` with these slopes at the points.
+fn between(xs: &[f64], ys: &[f64], mode: Interpolation, x: f64, slope: impl Fn(usize) -> f64) -> f64 {
+    let count = xs.len().min(ys.len());
     if count == 0 {
         return 0.0;
     }
@@ -193,7 +225,7 @@ pub(super) fn interpolate(xs: &[f64], ys: &[f64], mode: Interpolation, x: f64) -
         Interpolation::Step => ys[i],
         Interpolation::Linear => ys[i] + rise * t,
         Interpolation::Monotone => {
-            let [start, end] = [i, next].map(|j| slope(&xs[..count], &ys[..count], j) * width);
+            let [start, end] = [i, next].map(|j| slope(j) * width);
             let s = 1.0 - t;
             let y = ys[i] + rise * (t * t * (3.0 - 2.0 * t)) + t * s * (s * start - t * end);
             // The curve stays between its points; this removes what rounding adds.
@@ -236,6 +268,10 @@ mod tests {
             assert_eq!(interpolate(&xs, &ys, mode, -9.0), 0.9);
             assert_eq!(interpolate(&xs, &ys, mode, 9.0), 0.1);
             assert_eq!(interpolate(&xs, &ys, mode, 0.1), 0.5, "{mode:?}: equal points give exactly their value");
+            let many = Interpolant::new(xs.to_vec(), ys.to_vec(), mode);
+            for x in (-12..=12).map(|i| f64::from(i) * 0.1).chain([f64::NAN, 0.25]) {
+                assert_eq!(many.at(x), interpolate(&xs, &ys, mode, x), "{mode:?} at {x}: bit for bit the same");
+            }
         }
         assert_eq!(interpolate(&xs, &ys, Interpolation::Step, -0.01), 0.9);
         assert!((interpolate(&xs, &ys, Interpolation::Linear, -0.5) - 0.7).abs() < 1e-15);

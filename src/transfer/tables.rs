@@ -21,7 +21,8 @@ pub struct TransferTables {
 impl ColorFunction {
     /// 256 values over κ from −1 to 1.
     pub fn bake(&self) -> Vec<[f32; 3]> {
-        (0..TABLE_SIZE).map(|i| self.sample(2.0 * place(i) - 1.0).map(|v| v as f32)).collect()
+        let value = self.sampler();
+        (0..TABLE_SIZE).map(|i| value(2.0 * place(i) - 1.0).map(|v| v as f32)).collect()
     }
 
     /// The one value that the baked table has everywhere, if it has only one.
@@ -38,9 +39,10 @@ impl ColorFunction {
 impl OpacityFunction {
     /// 256×256 opacities: entry `y · 256 + x`, x over depth, y over |κ|.
     pub fn bake(&self) -> Vec<f32> {
+        let sampler = self.sampler();
         (0..TABLE_SIZE)
             .flat_map(|y| {
-                let row = self.row(place(y));
+                let row = sampler.row(place(y));
                 (0..TABLE_SIZE).map(|x| row(place(x)) as f32).collect::<Vec<_>>()
             })
             .collect()

@@ -10,7 +10,10 @@ use std::time::{Duration, Instant};
 
 use super::drop_source;
 
-pub const PROGRAM: &str = env!("CARGO_BIN_EXE_pellucid");
+/// The program; `PELLUCID_TEST_PROGRAM` names another build of it, for figures.
+pub fn window_program() -> std::ffi::OsString {
+    std::env::var_os("PELLUCID_TEST_PROGRAM").unwrap_or_else(|| env!("CARGO_BIN_EXE_pellucid").into())
+}
 
 /// How long anything may take: the machine may be busy.
 const PATIENCE: Duration = Duration::from_secs(180);
@@ -93,7 +96,7 @@ impl Desk {
         let server = Running(server);
         let display = format!(":{}", number.trim());
         let log = std::fs::File::create(folder.path().join("log")).unwrap();
-        let window = Command::new(PROGRAM)
+        let window = Command::new(window_program())
             .args(files)
             .current_dir(folder.path())
             .env("DISPLAY", &display)

@@ -1,4 +1,5 @@
-//! How long the window takes to answer the hand: printed, never asserted. With `PELLUCID_TEST_FULL` a minute of it or more.
+//! How long the window takes to answer the hand: printed, never asserted. With `PELLUCID_TEST_FULL` a minute of it or more;
+//! `PELLUCID_TEST_PROGRAM` names the build to be measured.
 //!
 //! An input is answered by the frame that shows it, from when its event came. Everything is measured with the default look and
 //! with illustrative transparency over it, a k-buffer in either: its k captures everything anew.

@@ -11,7 +11,7 @@ use pellucid::render::Renderer;
 use pellucid::scene::{Presence, Scene, builtin};
 use pellucid::session::{Session, camera_in_scene};
 
-use super::desk::{Desk, PROGRAM, tools_are_there};
+use super::desk::{Desk, tools_are_there, window_program};
 use super::support::{full, gpu, repository};
 
 /// A generator of numbers that is the same everywhere.
@@ -48,8 +48,14 @@ fn compare(desk: &Desk, step: &str) {
     save(desk, step);
     let rendered = desk.path(&format!("{step}.png"));
     let session = desk.path(&format!("{step}.toml"));
-    let output =
-        Command::new(PROGRAM).arg("render").arg("--session").arg(&session).arg("-o").arg(&rendered).output().unwrap();
+    let output = Command::new(window_program())
+        .arg("render")
+        .arg("--session")
+        .arg(&session)
+        .arg("-o")
+        .arg(&rendered)
+        .output()
+        .unwrap();
     assert!(output.status.success(), "{step}: {}", String::from_utf8_lossy(&output.stderr));
     let expected = image::open(&rendered).unwrap().into_rgb8();
     desk.settle();
@@ -366,7 +372,7 @@ fn the_desktop_files_fit_the_program() {
 
 #[test]
 fn without_a_display_there_is_one_line_and_a_code() {
-    let output = Command::new(PROGRAM)
+    let output = Command::new(window_program())
         .env_remove("DISPLAY")
         .env_remove("WAYLAND_DISPLAY")
         .env_remove("WAYLAND_SOCKET")
@@ -375,6 +381,6 @@ fn without_a_display_there_is_one_line_and_a_code() {
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(1), "{said}");
     assert!(said.starts_with("pellucid: no window can be opened: ") && said.lines().count() == 1, "{said}");
-    let output = Command::new(PROGRAM).arg("paint").output().unwrap();
+    let output = Command::new(window_program()).arg("paint").output().unwrap();
     assert_eq!(output.status.code(), Some(2));
 }

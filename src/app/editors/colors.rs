@@ -91,7 +91,8 @@ pub fn show(
         let full = counts.kappa.iter().copied().max().unwrap_or(0);
         plot.paint_counts(ui.painter(), &counts.kappa, full, plot::counted(dark).gamma_multiply(0.45));
     }
-    let values: Vec<(f64, [f64; 3])> = plot.samples().map(|k| (k, function.color.sample(k))).collect();
+    let color_at = function.color.sampler();
+    let values: Vec<(f64, [f64; 3])> = plot.samples().map(|k| (k, color_at(k))).collect();
     let channels =
         [Color32::from_rgb(0xe0, 0x50, 0x50), Color32::from_rgb(0x40, 0xb0, 0x60), Color32::from_rgb(0x50, 0x80, 0xf0)];
     if values.iter().any(|(_, [r, g, b])| r != g || g != b) {
@@ -158,9 +159,10 @@ fn entries(ui: &mut Ui, selected: &[usize], points: &Points<ColorPoint>) -> Opti
 pub fn strip(ui: &Ui, rect: Rect, function: &TransferFunction) {
     const PIECES: u32 = 96;
     let mut mesh = Mesh::default();
+    let color_at = function.color.sampler();
     for i in 0..=PIECES {
         let share = i as f32 / PIECES as f32;
-        let color = colour(function.color.sample(2.0 * f64::from(share) - 1.0));
+        let color = colour(color_at(2.0 * f64::from(share) - 1.0));
         let x = rect.left() + share * rect.width();
         mesh.colored_vertex(pos2(x, rect.top()), color);
         mesh.colored_vertex(pos2(x, rect.bottom() - 2.0), color);

@@ -85,12 +85,12 @@ impl State {
 pub fn picture(function: &OpacityFunction, [width, height]: [usize; 2], dark: bool) -> ColorImage {
     let (clear, solid) = if dark { (24.0, 235.0) } else { (250.0, 40.0) };
     let mut pixels = Vec::with_capacity(width * height);
+    let share = |i: usize, n: usize| i as f64 / (n - 1).max(1) as f64;
+    let sampler = function.sampler();
     for y in (0..height).rev() {
-        for x in 0..width {
-            let share = |i: usize, n: usize| i as f64 / (n - 1).max(1) as f64;
-            let opacity = function.sample(share(x, width), share(y, height));
-            pixels.push(Color32::from_gray((clear + (solid - clear) * opacity) as u8));
-        }
+        let row = sampler.row(share(y, height));
+        let shade = |x| Color32::from_gray((clear + (solid - clear) * row(share(x, width))) as u8);
+        pixels.extend((0..width).map(shade));
     }
     ColorImage::new([width, height], pixels)
 }

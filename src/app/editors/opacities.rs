@@ -137,14 +137,12 @@ pub fn show(
     let outcome = {
         let accent = ui.visuals().hyperlink_color;
         let faint = ui.visuals().text_color().gamma_multiply(0.3);
-        for (i, curve) in curves.iter().enumerate() {
-            let at = |kappa: f64| plot.to_screen([kappa, function.opacity.sample(curve.depth, kappa)]);
-            if i != chosen {
-                line(ui, plot.samples().map(at).collect(), 1.0, faint);
-            }
+        let sampler = function.opacity.sampler();
+        let across = |i: usize| plot.samples().map(|k| plot.to_screen([k, sampler.on_curve(i, k)])).collect();
+        for i in (0..curves.len()).filter(|&i| i != chosen) {
+            line(ui, across(i), 1.0, faint);
         }
-        let at = |kappa: f64| plot.to_screen([kappa, function.opacity.sample(curves[chosen].depth, kappa)]);
-        line(ui, plot.samples().map(at).collect(), 2.0, accent);
+        line(ui, across(chosen), 2.0, accent);
         state.gestures.show(ui, &plot, points, mode, "Opacity curve")
     };
     edit.begin |= outcome.begin;

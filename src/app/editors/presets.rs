@@ -51,9 +51,10 @@ pub fn show(ui: &mut Ui, state: &mut State, now: &TransferSource) -> Option<&'st
 fn picture(function: &TransferFunction, dark: bool) -> egui::ColorImage {
     let [width, height] = SIZE;
     let mut image = map::picture(&function.opacity, [width, height - STRIP], dark);
+    let color_at = function.color.sampler();
     for _ in 0..STRIP {
         let kappa = |x: usize| 2.0 * x as f64 / (width - 1) as f64 - 1.0;
-        image.pixels.extend((0..width).map(|x| colour(function.color.sample(kappa(x)))));
+        image.pixels.extend((0..width).map(|x| colour(color_at(kappa(x)))));
     }
     egui::ColorImage::new(SIZE, image.pixels)
 }

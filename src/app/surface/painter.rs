@@ -394,3 +394,137 @@ fn fill(device: &wgpu::Device, queue: &wgpu::Queue, buffer: &mut wgpu::Buffer, b
         queue.write_buffer(buffer, 0, bytes);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use egui::epaint::ColorImage;
+    use egui::{Color32, Pos2, pos2};
+
+    use super::*;
+    use crate::gpu::{Gpu, GpuOptions};
+
+    const SIDE: u32 = 64;
+
+    fn square(mesh: &mut Mesh, [left, top, right, bottom]: [f32; 4], uv: [Pos2; 2], color: Color32) {
+        let rect = Rect::from_min_max(pos2(left, top), pos2(right, bottom));
+        mesh.add_rect_with_uv(rect, Rect::from_min_max(uv[0], uv[1]), color);
+    }
+
+    fn clipped(mesh: Mesh) -> ClippedPrimitive {
+        let clip_rect = Rect::from_min_max(pos2(0.0, 0.0), pos2(20.0, 32.0));
+        ClippedPrimitive { clip_rect, primitive: Primitive::Mesh(mesh) }
+    }
+
+    #[test]
+    fn triangles_are_parted_by_what_shows_the_texture_and_stay_in_order() {
+        let mut mesh = Mesh::default();
+        let letter = [pos2(0.25, 0.25), pos2(0.5, 0.5)];
+        square(&mut mesh, [0.0, 0.0, 1.0, 1.0], [WHITE_UV; 2], Color32::RED);
+        square(&mut mesh, [0.0, 0.0, 1.0, 1.0], [WHITE_UV; 2], Color32::RED);
+        square(&mut mesh, [0.0, 0.0, 1.0, 1.0], letter, Color32::RED);
+        square(&mut mesh, [0.0, 0.0, 1.0, 1.0], [WHITE_UV; 2], Color32::RED);
+        assert_eq!(runs(&mesh), [(false, 0..12), (true, 12..18), (false, 18..24)]);
+        let picture = Mesh { texture_id: TextureId::User(1), ..mesh };
+        assert_eq!(runs(&picture), [(true, 0..24)], "no white corner is known of other textures");
+        assert_eq!(runs(&Mesh::default()), []);
+    }
+
+    #[test]
+    fn clipping_is_on_whole_pixels_within_the_window() {
+        let rect = |a: f32, b: f32| Rect::from_min_max(pos2(a, a), pos2(b, b));
+        assert_eq!(scissor(rect(1.2, 3.4), [100, 5], 2.0), [2, 2, 5, 3]);
+        assert_eq!(scissor(rect(-9.0, f32::INFINITY), [100, 5], 1.0), [0, 0, 100, 5]);
+        assert_eq!(scissor(Rect::NOTHING, [100, 5], 1.0)[2..], [0, 0]);
+        assert_eq!(scissor(Rect::NAN, [100, 5], 1.0)[2..], [0, 0]);
+    }
+
+    /// What a painter paints over black, two pixels a point.
+    fn painted(gpu: &Gpu, painter: &mut Painter, shapes: &[ClippedPrimitive]) -> Vec<[u8; 4]> {
+        let size = wgpu::Extent3d { width: SIDE, height: SIDE, depth_or_array_layers: 1 };
+        let target = gpu.device.create_texture(&wgpu::TextureDescriptor {
+            label: None,
+            size,
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: wgpu::TextureFormat::Rgba8Unorm,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+            view_formats: &[],
+        });
+        let bytes = u64::from(4 * SIDE * SIDE);
+        let usage = wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
+        let buffer = gpu.buffer("painted", bytes, usage).unwrap();
+        painter.upload(&gpu.device, &gpu.queue, shapes, [SIDE, SIDE], 2.0);
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &target.create_view(&Default::default()),
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Store },
+            })],
+            ..Default::default()
+        });
+        painter.paint(&mut pass, shapes, [SIDE, SIDE]);
+        drop(pass);
+        let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * SIDE), rows_per_image: None };
+        let into = wgpu::TexelCopyBufferInfo { buffer: &buffer, layout };
+        encoder.copy_texture_to_buffer(target.as_image_copy(), into, size);
+        gpu.queue.submit([encoder.finish()]);
+        gpu.check().unwrap();
+        bytemuck::cast_slice(&gpu.read_buffer(&buffer, bytes).unwrap()).to_vec()
+    }
+
+    #[test]
+    fn meshes_are_painted_as_egui_means_them() {
+        let gpu = match Gpu::new(&GpuOptions::default()) {
+            Ok(gpu) => gpu,
+            Err(e) => {
+                assert!(std::env::var_os("CI").is_none(), "{e}");
+                println!("SKIPPED: painter: {e}");
+                return;
+            }
+        };
+        let (letters, picture) = (TextureId::default(), TextureId::User(7));
+        let image = |size: [usize; 2], color| ColorImage::new(size, vec![color; size[0] * size[1]]);
+        let options = TextureOptions::NEAREST;
+        let delta = |image, pos| ImageDelta { image: ImageData::Color(std::sync::Arc::new(image)), options, pos };
+        let mut painter = Painter::new(&gpu.device, wgpu::TextureFormat::Rgba8Unorm);
+        let mut update = |id, delta| painter.update_texture(&gpu.device, &gpu.queue, id, &delta);
+        update(letters, delta(image([4, 4], Color32::WHITE), None));
+        update(picture, delta(image([4, 4], Color32::WHITE), None));
+        // A part of it becomes green.
+        update(picture, delta(image([2, 4], Color32::GREEN), Some([2, 0])));
+        update(TextureId::User(9), delta(image([1, 1], Color32::WHITE), Some([0, 0])));
+
+        let half = Color32::from_rgba_premultiplied(0, 0, 100, 128);
+        let whole = [pos2(0.0, 0.0), pos2(1.0, 1.0)];
+        let mut plain = Mesh::default();
+        square(&mut plain, [2.0, 2.0, 30.0, 30.0], [WHITE_UV; 2], Color32::RED);
+        square(&mut plain, [10.0, 2.0, 30.0, 30.0], [WHITE_UV; 2], half);
+        let mut textured = Mesh::with_texture(picture);
+        square(&mut textured, [4.0, 8.0, 16.0, 12.0], whole, Color32::WHITE);
+        let lost = Mesh { texture_id: TextureId::User(9), ..textured.clone() };
+        let shapes = [plain.clone(), textured, lost].map(clipped);
+        let pixels = painted(&gpu, &mut painter, &shapes);
+        let at = |x: u32, y: u32| pixels[(y * SIDE + x) as usize];
+        assert_eq!(at(3, 3), [0, 0, 0, 255], "outside");
+        assert_eq!(at(4, 4), [255, 0, 0, 255]);
+        let over = at(20, 8);
+        assert!((126..=128).contains(&over[0]) && over[2] == 100, "half over red: {over:?}");
+        assert_eq!([at(39, 50), at(40, 50)], [over, [0, 0, 0, 255]], "clipped at 20 points");
+        assert_eq!([at(8, 16), at(19, 23)], [[255; 4]; 2], "the picture's left half");
+        assert_eq!([at(20, 16), at(31, 23)], [[0, 255, 0, 255]; 2], "and its right one");
+        // A texture that is white says the same as none.
+        let white = Mesh { texture_id: TextureId::User(8), ..plain.clone() };
+        painter.update_texture(
+            &gpu.device,
+            &gpu.queue,
+            TextureId::User(8),
+            &delta(image([1, 1], Color32::WHITE), None),
+        );
+        let [without, with] = [plain, white].map(|mesh| painted(&gpu, &mut painter, &[clipped(mesh)]));
+        assert_eq!(without, with);
+        painter.free_texture(TextureId::User(8));
+    }
+}
