@@ -1,4 +1,4 @@
-# What scripts/demo and scripts/test share; sourced by them. Goes to the top of the project, reads --no-install and
+# What the other scripts share; sourced by them. Goes to the top of the project, reads --no-install and
 # installs what is missing on a Debian machine that has only a Rust toolchain. Asks nothing.
 
 root=$(CDPATH='' cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd -P)

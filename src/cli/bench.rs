@@ -34,7 +34,7 @@ use crate::tradeoff::workbench::RendererBench;
 pub enum BenchCommand {
     /// Neighbour search and curvature by buckets over brute force, on the paper's synthetic stack of quads
     Buckets(BucketsArgs),
-    /// A whole frame of a model: unsorted blend, both captures, plain and stylized
+    /// A whole frame of a model: unsorted blend, compacted lists and k-buffer, plain and stylized
     Frame(Box<FrameArgs>),
     /// The steps of the illustration buffer against the number of fragments, and frames with and without iterations
     Illustration(Box<illustration::IllustrationArgs>),

@@ -50,6 +50,7 @@ Environment:
   WGPU_BACKEND       graphics interface: vulkan, metal, dx12 or gl
   WGPU_ADAPTER_NAME  part of an adapter's name, as `pellucid adapters` prints it
   PELLUCID_CONFIG    a configuration file, unless --config names one
+  PELLUCID_SHADERS   the folder of shaders that the window watches and takes over
   RUST_LOG           what is logged to standard error, as in pellucid=debug
   NO_COLOR           if set, no colours on a terminal
 

@@ -33,7 +33,7 @@ pub struct Cli {
     /// What to do; without a command a window opens.
     #[command(subcommand)]
     pub command: Option<Command>,
-    /// Models or sessions to open in the window, or builtin:NAME
+    /// A model or session to open in the window, or builtin:NAME; further ones are put under Open recent
     #[arg(value_name = "FILE", value_parser = model)]
     pub files: Vec<String>,
     /// The configuration.

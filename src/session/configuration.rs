@@ -135,7 +135,11 @@ impl Configuration {
             match std::fs::File::open(path) {
                 Ok(file) => {
                     let mut text = String::new();
-                    file.take(LARGEST).read_to_string(&mut text).map_err(failed)?;
+                    file.take(LARGEST + 1).read_to_string(&mut text).map_err(failed)?;
+                    if text.len() as u64 > LARGEST {
+                        let reason = format!("larger than {} MiB", LARGEST >> 20);
+                        return Err(failed(std::io::Error::new(std::io::ErrorKind::FileTooLarge, reason)));
+                    }
                     all.add(path, &text)?;
                     all.files.push((path.clone(), true));
                 }
@@ -412,7 +416,7 @@ fn checked(key: &str, value: Value, path: &Path) -> Result<Value, String> {
 
 /// Whether a converter's line says where it writes: `{out}`, or with an ending, as `{out.stl}`.
 fn writes(line: &str) -> bool {
-    line.contains("{out}") || line.contains("{out.")
+    ["{out}", "{out.", "{out:"].iter().any(|o| line.contains(o))
 }
 
 fn number(value: &Value) -> Option<f64> {

@@ -22,7 +22,8 @@ pub fn show(ui: &mut Ui, picture: Rect, workspace: &mut Workspace) {
     } else if workspace.document.is_none() {
         over(ui, "welcome", Align2::CENTER_CENTER, picture, |ui| {
             ui.set_width(300.0);
-            ui.heading("Drop a GLB or glTF file here");
+            ui.heading("Drop a model here");
+            ui.weak("glTF, OBJ, STL or PLY; or a session");
             ui.horizontal(|ui| {
                 if ui.button("Open…").clicked() {
                     workspace.asks.push(Ask::Choose(Choice::Open));

@@ -35,7 +35,8 @@ pub fn show(ui: &mut Ui, workspace: &mut Workspace) {
             !times.is_empty(),
         );
         for planned in &plan.passes {
-            let time = times.iter().find(|t| t.pass == planned.pass).map(|t| milliseconds(t.milliseconds));
+            let time =
+                times.iter().find(|t| t.pass == planned.pass).map(|t| format!("{} ms", milliseconds(t.milliseconds)));
             let time = time.or_else(|| kept.spares(planned.pass).then(|| "kept".to_owned()));
             line(ui, planned.pass.name(), time.as_deref(), &planned.reason);
         }
@@ -72,7 +73,7 @@ fn line(ui: &mut Ui, name: &str, figure: Option<&str>, reason: &str) {
     ui.horizontal(|ui| {
         ui.label(name);
         if let Some(figure) = figure {
-            right(ui, &format!("{figure} ms"), ui.visuals().text_color());
+            right(ui, figure, ui.visuals().text_color());
         }
     });
     ui.add(Label::new(RichText::new(reason).small().weak()).wrap());

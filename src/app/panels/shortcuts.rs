@@ -8,7 +8,7 @@ use crate::app::workspace::Workspace;
 /// Keys, and what they do.
 pub const KEYS: &[(&str, &str)] = &[
     ("Ctrl+O", "Open a file; or drop one on the window"),
-    ("Ctrl+Z, Ctrl+Shift+Z", "Undo, redo"),
+    ("Ctrl+Z, Ctrl+Shift+Z or Ctrl+Y", "Undo, redo"),
     ("1, 3, 7, 9", "Front, right, top, isometric"),
     ("Ctrl+1, 3, 7, 9", "The same from the other side"),
     ("5", "Perspective or parallel"),
