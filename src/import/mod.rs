@@ -285,6 +285,9 @@ impl Input<'_> {
     }
 
     fn read_as(&self, format: Format, options: &ImportOptions) -> Fallible<Scene> {
+        if let Some(wanted) = options.variant.as_ref().filter(|_| format != Format::Gltf) {
+            return Err(gltf::unknown_variant(wanted, &[]));
+        }
         let draft = match format {
             Format::Gltf => Draft::gltf(gltf::read(self.bytes, self.name, self.folder, options)?),
             Format::Obj => obj::read(self.bytes, self.name, self.folder, options)?,

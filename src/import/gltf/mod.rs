@@ -39,6 +39,7 @@ use super::{Fallible, Fault, ImportOptions, Limits, Notices, Phase, steps, uri};
 use crate::scene::Scene;
 use budget::Budget;
 pub(super) use extensions::features;
+pub(super) use variants::unknown as unknown_variant;
 
 /// Reads a glTF file; files that it refers to are looked up in `folder` and refused without one.
 pub(super) fn read(bytes: &[u8], name: &str, folder: Option<&Path>, options: &ImportOptions) -> Fallible<Scene> {
