@@ -1,15 +1,17 @@
 //! Opening a model without holding up the window: a thread, how far it is, and a way to call it off.
+//!
+//! A file is read as the command line reads it, by [`import::load_with`]: whatever its format, the importer says how far it
+//! is, ends when it is called off, and finds the same words for what is wrong.
 
-use std::io::Read;
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
 
 use super::camera;
-use crate::import::{self, Cancel, ImportOptions};
+use crate::import::{self, Cancel, ImportOptions, Phase, Progress};
 use crate::scene::hard_case::{HardCase, Source};
 use crate::scene::{Arrangement, Scene, Section, builtin};
-use crate::session::{Importing, Session, camera_in_file};
+use crate::session::{self, Importing, Session, camera_in_file};
 use crate::settings::Settings;
 use crate::tradeoff::hard_cases;
 
@@ -19,8 +21,8 @@ const BUILTIN: &str = "builtin:";
 pub const HARD_CASE: &str = "hard-case:";
 /// What is said where a hard case's model would be needed as a file.
 pub const MADE_IN_MEMORY: &str = "The model of this hard case is made in memory: there is no file to name.";
-/// Bytes read between two looks at the flag.
-const PIECE: usize = 1 << 20;
+/// Between two wakes while a phase goes on: the importer tells of every piece, which may be thousands a second.
+const BETWEEN_WAKES: Duration = Duration::from_millis(34);
 
 /// A model and, if a session file asked for it, what is to be seen of it.
 pub struct Opened {
@@ -34,25 +36,52 @@ pub struct Opened {
     pub import: Importing,
 }
 
-/// Largest session file that is read, bytes.
-const LARGEST_SESSION: u64 = 16 << 20;
+/// How far the importer is.
+#[derive(Default)]
+struct Told {
+    /// What it is at, and the share of that which is done.
+    now: Option<(Phase, f32)>,
+    /// When this was last shown to whoever waits.
+    woken: Option<Instant>,
+}
 
-/// What the thread is at.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Phase {
-    /// Reads; the share that is done.
-    Reading(f32),
-    /// Makes a scene of what was read.
-    Building,
+impl Told {
+    /// Takes what the importer tells; says whether to wake whoever waits.
+    fn hear(&mut self, phase: Phase, share: f32, at: Instant) -> bool {
+        let before = self.now.filter(|now| now.0 == phase);
+        // Threads may tell their pieces in another order than they have counted them.
+        self.now = Some((phase, before.map_or(share, |now| now.1.max(share))));
+        // Phases are few, and the next word about one may be long in coming.
+        let rested = self.woken.is_none_or(|last| at.saturating_duration_since(last) >= BETWEEN_WAKES);
+        let wake = before.is_none() || rested;
+        if wake {
+            self.woken = Some(at);
+        }
+        wake
+    }
 }
 
 #[derive(Default)]
 struct Shared {
     cancel: Cancel,
-    read: AtomicU64,
-    total: AtomicU64,
-    building: AtomicBool,
+    told: Mutex<Told>,
     result: Mutex<Option<Result<Opened, String>>>,
+}
+
+impl Shared {
+    /// `options`, by which an import tells and asks here; `wake` is called as it gets on.
+    fn options(self: &Arc<Shared>, options: &ImportOptions, wake: impl Fn() + Send + Sync + 'static) -> ImportOptions {
+        let shared = Arc::clone(self);
+        let progress = Progress::to(move |phase, share| {
+            let mut told = shared.told.lock().unwrap_or_else(PoisonError::into_inner);
+            let awaited = told.hear(phase, share, Instant::now());
+            drop(told);
+            if awaited {
+                wake();
+            }
+        });
+        ImportOptions { cancel: self.cancel.clone(), progress, ..options.clone() }
+    }
 }
 
 /// A model on its way.
@@ -65,14 +94,13 @@ pub struct Loading {
 impl Loading {
     /// Begins. A session says itself how its model is read; otherwise `options` do. `wake` is called, from the thread, as it
     /// gets on and when it is done.
-    pub fn begin(file: &str, options: &ImportOptions, wake: impl Fn() + Send + 'static) -> Loading {
+    pub fn begin(file: &str, options: &ImportOptions, wake: impl Fn() + Clone + Send + Sync + 'static) -> Loading {
         let shared = Arc::new(Shared::default());
         let (theirs, name) = (Arc::clone(&shared), file.to_owned());
-        let options = ImportOptions { cancel: shared.cancel.clone(), ..options.clone() };
+        let options = shared.options(options, wake.clone());
         let run = move || {
-            let result =
-                std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| load(&name, &options, &theirs, &wake)))
-                    .unwrap_or_else(|_| Err(format!("{name}: the importer panicked; the log says where")));
+            let result = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| load(&name, &options)))
+                .unwrap_or_else(|_| Err(format!("{name}: the importer panicked; the log says where")));
             *theirs.result.lock().unwrap_or_else(PoisonError::into_inner) = Some(result);
             wake();
         };
@@ -82,13 +110,10 @@ impl Loading {
         Loading { file: file.to_owned(), shared }
     }
 
-    /// How far it is.
-    pub fn phase(&self) -> Phase {
-        let total = self.shared.total.load(Ordering::Relaxed);
-        if self.shared.building.load(Ordering::Relaxed) || total == 0 {
-            return Phase::Building;
-        }
-        Phase::Reading(self.shared.read.load(Ordering::Relaxed) as f32 / total as f32)
+    /// What the importer is at, and the share of that which is done; nothing before it says so, nor where a scene is
+    /// generated.
+    pub fn phase(&self) -> Option<(Phase, f32)> {
+        self.shared.told.lock().unwrap_or_else(PoisonError::into_inner).now
     }
 
     /// The scene, or why there is none, once.
@@ -98,31 +123,29 @@ impl Loading {
 }
 
 impl Drop for Loading {
-    /// Calls it off: reading stops, and decoding after the images and primitives at hand; a scene that is there all the same is
-    /// thrown away.
+    /// Calls it off: reading stops, and what comes after it at the next piece; a scene that is there all the same is thrown
+    /// away.
     fn drop(&mut self) {
         self.shared.cancel.cancel();
     }
 }
 
-fn load(file: &str, options: &ImportOptions, shared: &Shared, wake: &impl Fn()) -> Result<Opened, String> {
+fn load(file: &str, options: &ImportOptions) -> Result<Opened, String> {
     if let Some(name) = file.strip_prefix(HARD_CASE) {
         return hard_case(name);
     }
     let path = Path::new(file);
     if !file.starts_with(BUILTIN) && path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")) {
         let said = |e: &dyn std::error::Error| format!("{file}: {}", full(e));
-        let mut text = String::new();
-        let source = std::fs::File::open(path).map_err(|e| said(&e))?;
-        source.take(LARGEST_SESSION).read_to_string(&mut text).map_err(|e| said(&e))?;
+        let text = session::read_text(path).map_err(|e| said(&e))?;
         let folder = path.parent().unwrap_or(Path::new(""));
         let session = Session::from_toml(&text).map_err(|e| said(&e))?.rebased(folder);
-        let scene = load_scene(session.file(), &session.import().options(options), shared, wake)?;
+        let scene = load_scene(session.file(), &session.import().options(options))?;
         let session = session.resolve(&scene).map_err(|e| said(&e))?;
         let import = session.import.clone();
         return Ok(Opened { scene, session: Some(session), case: None, import });
     }
-    let scene = load_scene(file, options, shared, wake)?;
+    let scene = load_scene(file, options)?;
     Ok(Opened { scene, session: None, case: None, import: Importing::of(options) })
 }
 
@@ -153,22 +176,11 @@ fn hard_case(name: &str) -> Result<Opened, String> {
     Ok(Opened { scene, session: Some(session), case: Some(case), import })
 }
 
-fn load_scene(file: &str, options: &ImportOptions, shared: &Shared, wake: &impl Fn()) -> Result<Scene, String> {
-    if let Some(name) = file.strip_prefix(BUILTIN) {
-        return builtin::build(name).map_err(|e| e.to_string());
+fn load_scene(file: &str, options: &ImportOptions) -> Result<Scene, String> {
+    match file.strip_prefix(BUILTIN) {
+        Some(name) => builtin::build(name).map_err(|e| e.to_string()),
+        None => import::load_with(Path::new(file), options).map_err(|e| full(&e)),
     }
-    let path = Path::new(file);
-    let known = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("glb") || e.eq_ignore_ascii_case("gltf"));
-    if !known || path.is_dir() {
-        // It says what is wrong with the name.
-        return import::load_with(path, options).map_err(|e| full(&e));
-    }
-    let bytes = read(path, options.limits.bytes, shared, wake).map_err(|e| format!("{file}: {e}"))?;
-    shared.building.store(true, Ordering::Relaxed);
-    wake();
-    let name = path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    import::load_bytes_with(&bytes, &name, Some(folder), options).map_err(|e| full(&e))
 }
 
 /// An error and whatever caused it, in one line.
@@ -183,30 +195,6 @@ fn full(error: &dyn std::error::Error) -> String {
         cause = e.source();
     }
     text
-}
-
-fn read(path: &Path, limit: u64, shared: &Shared, wake: &impl Fn()) -> Result<Vec<u8>, String> {
-    let file = std::fs::File::open(path).map_err(|e| e.to_string())?;
-    let total = file.metadata().map_err(|e| e.to_string())?.len();
-    shared.total.store(total.max(1), Ordering::Relaxed);
-    let mut rest = file.take(limit.saturating_add(1));
-    let mut bytes = Vec::new();
-    let mut piece = vec![0; PIECE];
-    loop {
-        if shared.cancel.is_cancelled() {
-            return Err("called off".to_owned());
-        }
-        match rest.read(&mut piece).map_err(|e| e.to_string())? {
-            0 => break,
-            n => bytes.extend_from_slice(&piece[..n]),
-        }
-        if bytes.len() as u64 > limit {
-            return Err(format!("larger than {} MiB", limit >> 20));
-        }
-        shared.read.store(bytes.len() as u64, Ordering::Relaxed);
-        wake();
-    }
-    Ok(bytes)
 }
 
 #[cfg(test)]
@@ -234,24 +222,122 @@ mod tests {
         }
     }
 
+    /// One model in each format that is read, in a folder.
+    fn models(folder: &Path) -> Vec<String> {
+        use crate::export::{glb, mesh_files};
+        let scene = builtin::build("stack").unwrap();
+        let files = [
+            ("stack.glb", glb::write_glb(&scene).unwrap()),
+            ("stack.obj", mesh_files::write_obj(&scene, "stack.mtl")),
+            ("stack.stl", mesh_files::write_stl_binary(&scene)),
+            ("stack-text.stl", mesh_files::write_stl_ascii(&scene)),
+            ("stack.ply", mesh_files::write_ply(&scene, mesh_files::PlyEncoding::LittleEndian)),
+        ];
+        let write = |(name, bytes): (&str, Vec<u8>)| {
+            let path = folder.join(name);
+            std::fs::write(&path, bytes).unwrap();
+            path.to_str().unwrap().to_owned()
+        };
+        files.map(write).to_vec()
+    }
+
     #[test]
-    fn a_model_that_is_no_longer_wanted_is_not_decoded() {
+    fn every_format_tells_how_far_it_is_and_can_be_called_off() {
         let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("stack.glb");
-        let bytes = crate::export::glb::write_glb(&builtin::build("stack").unwrap()).unwrap();
-        std::fs::write(&path, bytes).unwrap();
-        let file = path.to_str().unwrap();
-        // Called off when everything is read: what is left is to decode it.
-        let shared = Shared::default();
-        let wake = || {
-            if shared.building.load(Ordering::Relaxed) {
-                shared.cancel.cancel();
+        for file in models(folder.path()) {
+            for at in [None, Some(Phase::Reading), Some(Phase::Parsing), Some(Phase::Geometry)] {
+                let shared = Arc::new(Shared::default());
+                let seen: Arc<Mutex<Vec<Phase>>> = Arc::default();
+                let (theirs, list) = (Arc::clone(&shared), Arc::clone(&seen));
+                let wake = move || {
+                    let Some((phase, share)) = theirs.told.lock().unwrap().now else {
+                        panic!("woken without a word");
+                    };
+                    assert!((0.0..=1.0).contains(&share));
+                    list.lock().unwrap().push(phase);
+                    if Some(phase) == at {
+                        theirs.cancel.cancel();
+                    }
+                };
+                let options = ImportOptions { map_from: u64::MAX, ..ImportOptions::default() };
+                let loaded = load_scene(&file, &shared.options(&options, wake));
+                let mut seen = seen.lock().unwrap().clone();
+                seen.dedup();
+                match at {
+                    None => {
+                        assert!(loaded.unwrap().triangle_count() > 0, "{file}");
+                        for phase in [Phase::Reading, Phase::Parsing, Phase::Geometry, Phase::Parts, Phase::Finishing] {
+                            assert!(seen.contains(&phase), "{file}: {seen:?}");
+                        }
+                    }
+                    Some(at) => {
+                        let said = loaded.map(|_| ()).unwrap_err();
+                        assert_eq!(said, format!("{file}: called off"));
+                        assert_eq!(seen.last(), Some(&at), "{file}: it goes on");
+                    }
+                }
+            }
+        }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_converter_tells_how_far_it_is_and_is_called_off() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("part.slow");
+        std::fs::write(&path, "anything").unwrap();
+        let mut options = ImportOptions::default();
+        options.converters.insert("slow".to_owned(), "sh -c 'sleep 600' {in} {out}".to_owned());
+        let shared = Arc::new(Shared::default());
+        let theirs = Arc::clone(&shared);
+        let wake = move || {
+            if theirs.told.lock().unwrap().now.is_some_and(|now| now.0 == Phase::Converting) {
+                theirs.cancel.cancel();
             }
         };
-        let options = ImportOptions { cancel: shared.cancel.clone(), ..ImportOptions::default() };
-        let said = load_scene(file, &options, &shared, &wake).map(|_| ()).unwrap_err();
-        assert!(said.ends_with("called off"), "{said}");
-        assert!(load_scene(file, &ImportOptions::default(), &Shared::default(), &|| {}).is_ok());
+        let file = path.to_str().unwrap();
+        let said = load_scene(file, &shared.options(&options, wake)).map(|_| ()).unwrap_err();
+        assert_eq!(said, format!("{file}: called off"));
+    }
+
+    #[test]
+    fn the_window_is_woken_when_a_phase_begins_and_seldom_while_it_goes_on() {
+        let (mut told, start) = (Told::default(), Instant::now());
+        let second = |i: u32| start + Duration::from_secs(1) * i / 10_000;
+        let woken = (0..10_000).filter(|&i| told.hear(Phase::Geometry, i as f32 / 1e4, second(i))).count();
+        assert!((20..=30).contains(&woken), "{woken} wakes in a second");
+        assert!(told.hear(Phase::Parts, 0.0, second(9_999)), "a phase begins");
+        assert!(!told.hear(Phase::Parts, 0.5, second(9_999)));
+        // A piece that was counted before another and is told after it.
+        assert!(!told.hear(Phase::Parts, 0.4, second(9_999)));
+        assert_eq!(told.now, Some((Phase::Parts, 0.5)));
+    }
+
+    #[test]
+    fn what_is_wrong_with_a_file_is_said_as_on_the_command_line() {
+        let folder = tempfile::tempdir().unwrap();
+        let sound = models(folder.path());
+        let mut files: Vec<String> = sound.clone();
+        for file in sound {
+            let bytes = std::fs::read(&file).unwrap();
+            let (stem, ending) = file.rsplit_once('.').unwrap();
+            for (name, content) in
+                [("cut", &bytes[..bytes.len() / 3]), ("other", &b"neither this nor that"[..]), ("empty", b"")]
+            {
+                let path = format!("{stem}-{name}.{ending}");
+                std::fs::write(&path, content).unwrap();
+                files.push(path);
+            }
+        }
+        files.extend([folder.path().to_str().unwrap().to_owned(), format!("{}/none.glb", folder.path().display())]);
+        let mut refused = 0;
+        for file in &files {
+            let ours = wait(&Loading::begin(file, &ImportOptions::default(), || {})).map(|o| o.scene.digest());
+            let theirs = import::load_with(Path::new(file), &ImportOptions::default());
+            refused += usize::from(theirs.is_err());
+            assert_eq!(ours, theirs.map(|s| s.digest()).map_err(|e| e.to_string()), "{file}");
+        }
+        assert!(refused >= 10, "{refused} of {} are refused", files.len());
     }
 
     #[test]

@@ -23,6 +23,7 @@ use super::panels::planes;
 use super::pictures::{Counted, Extras, Kind, Picked, Picture, Wish};
 use super::viewport::Shown;
 use super::watch::{Changed, ShaderTexts};
+use crate::import::Phase;
 use crate::math::{Camera, LinearImage};
 use crate::plan::{self, Capabilities, FramePlan, ViewStats};
 use crate::render::FrameReport;
@@ -111,10 +112,8 @@ pub struct OnScreen {
 pub struct LoadingView {
     /// As asked for.
     pub file: String,
-    /// What is being done.
-    pub doing: &'static str,
-    /// How much of it is done, if that is known.
-    pub share: Option<f32>,
+    /// What the importer is at, and the share of that which is done; nothing where a scene is generated.
+    pub phase: Option<(Phase, f32)>,
 }
 
 /// Where the picture is, in physical pixels of the window.

@@ -4,7 +4,6 @@
 //! rendering it again gives the same picture bit for bit.
 
 use std::collections::BTreeSet;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -19,9 +18,6 @@ use crate::scene::{Arrangement, Notice, PartLook, PartStyle, Presence, Scene};
 use crate::session::configuration::Configuration;
 use crate::session::{Importing, PartNames, Session, SessionFile, camera_in_file, camera_in_scene};
 use crate::settings::Settings;
-
-/// Largest session that is read, bytes.
-const LARGEST_SESSION: u64 = 64 << 20;
 
 /// Options for parts, each by its path in the hierarchy or by a name that only one has; a group's name means all below it.
 #[derive(Args, Clone, Debug, Default)]
@@ -225,12 +221,7 @@ impl Asked<'_> {
 fn read_session(path: &Path) -> Result<SessionFile, Failure> {
     let at = path.display();
     let input = |message: String| Failure::new(Exit::Input, message);
-    let mut text = String::new();
-    let file = std::fs::File::open(path).map_err(|e| input(format!("{at}: {e}")))?;
-    file.take(LARGEST_SESSION + 1).read_to_string(&mut text).map_err(|e| input(format!("{at}: {e}")))?;
-    if text.len() as u64 > LARGEST_SESSION {
-        return Err(input(format!("{at}: larger than {} MiB", LARGEST_SESSION >> 20)));
-    }
+    let text = crate::session::read_text(path).map_err(|e| input(format!("{at}: {e}")))?;
     let session = Session::from_toml(&text).map_err(|e| match e {
         crate::session::SessionError::Syntax { .. } => input(format!("{at}:{e}")),
         _ => input(format!("{at}: {e}")),

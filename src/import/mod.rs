@@ -28,6 +28,7 @@ mod phase;
 mod ply;
 mod polygon;
 mod source;
+mod steps;
 mod stl;
 mod tangents;
 mod text;
@@ -75,7 +76,7 @@ pub struct ImportOptions {
     pub map_from: u64,
     /// How much is taken.
     pub limits: Limits,
-    /// Asked between phases, images and primitives.
+    /// Asked between pieces of a file, phases, images and primitives.
     pub cancel: Cancel,
     /// Told how far it is.
     pub progress: Progress,
@@ -198,8 +199,7 @@ pub fn load(path: &Path) -> Result<Scene, ImportError> {
 /// limit, or its converter failed.
 pub fn load_with(path: &Path, options: &ImportOptions) -> Result<Scene, ImportError> {
     let read = || {
-        options.progress.tell(Phase::Reading, 0.0);
-        let bytes = source::open(path, options.limits.bytes, options.map_from)?;
+        let bytes = source::open(path, options)?;
         let name = path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
         let input = Input { bytes: &bytes, name: &name, extension: extension(path), folder: Some(folder(path)) };
         input.read(Some(path), options)
@@ -265,7 +265,7 @@ impl Input<'_> {
         options.progress.tell(Phase::Converting, 0.0);
         let converted = converter::convert(command, path, self.bytes, &self.extension, options)?;
         let fault = |cause: String| Fault::Converter { command: command.clone(), cause };
-        let bytes = source::open(&converted.path, options.limits.bytes, options.map_from)?;
+        let bytes = source::open(&converted.path, options)?;
         let input = Input {
             bytes: &bytes,
             name: self.name,
@@ -285,6 +285,9 @@ impl Input<'_> {
     }
 
     fn read_as(&self, format: Format, options: &ImportOptions) -> Fallible<Scene> {
+        if let Some(wanted) = options.variant.as_ref().filter(|_| format != Format::Gltf) {
+            return Err(gltf::unknown_variant(wanted, &[]));
+        }
         let draft = match format {
             Format::Gltf => Draft::gltf(gltf::read(self.bytes, self.name, self.folder, options)?),
             Format::Obj => obj::read(self.bytes, self.name, self.folder, options)?,

@@ -3,7 +3,8 @@
 use std::fmt;
 use std::sync::Arc;
 
-/// What an import is at. Every format passes through these in order; what it has no use for is left out.
+/// What an import is at. Every format passes through these in order; what it has no use for is left out. A file for a
+/// converter is read before that too, to see what it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Phase {
     /// A converter that the user named is at work.

@@ -10,7 +10,8 @@ use base64::Engine;
 use base64::alphabet::STANDARD;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 
-use super::{Fallible, Fault, source};
+use super::source::{self, Meanwhile};
+use super::{Fallible, Fault};
 
 /// Base64 with or without its padding.
 const BASE64: GeneralPurpose = GeneralPurpose::new(
@@ -21,14 +22,20 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
 );
 
 /// The bytes that `uri`, found at `place`, stands for.
-pub(super) fn resolve(uri: &str, place: &str, folder: Option<&Path>, limit: u64) -> Fallible<Vec<u8>> {
+pub(super) fn resolve(
+    uri: &str,
+    place: &str,
+    folder: Option<&Path>,
+    limit: u64,
+    meanwhile: Meanwhile,
+) -> Fallible<Vec<u8>> {
     if uri.get(..5).is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:")) {
         return data(&uri[5..], place, limit);
     }
     let path = percent_encoding::percent_decode_str(uri).decode_utf8();
     let path =
         path.map_err(|_| Fault::invalid(place, format!("{:?} is not UTF-8 after percent-decoding", short(uri))))?;
-    file(&path, place, folder, limit)
+    file(&path, place, folder, limit, meanwhile)
 }
 
 /// So much of a reference is shown in errors.
@@ -37,7 +44,13 @@ fn short(reference: &str) -> String {
 }
 
 /// The bytes of the file at `path`, found at `place` and written as in the file system, in `folder` or below.
-pub(super) fn file(path: &str, place: &str, folder: Option<&Path>, limit: u64) -> Fallible<Vec<u8>> {
+pub(super) fn file(
+    path: &str,
+    place: &str,
+    folder: Option<&Path>,
+    limit: u64,
+    meanwhile: Meanwhile,
+) -> Fallible<Vec<u8>> {
     let shown = short(path);
     let refuse = |cause: &str| Fault::invalid(place, format!("{shown:?} {cause}"));
     // Windows exporters write backslashes.
@@ -61,7 +74,7 @@ pub(super) fn file(path: &str, place: &str, folder: Option<&Path>, limit: u64) -
     if !full.starts_with(&folder) {
         return Err(refuse("is a link that leads out of the model's folder"));
     }
-    source::read_plain(&full, limit, &format!("{place} {shown:?}"))
+    source::read_plain(&full, limit, &format!("{place} {shown:?}"), meanwhile)
 }
 
 /// The part of a data URI after `data:`.

@@ -1,5 +1,5 @@
 //! Geometry and colour primitives that every other room uses: the [`Camera`], [`Bounds`] and linear, premultiplied
-//! colours. Nothing here knows of scenes, files or the GPU.
+//! colours, and which name a misspelt word was meant to be. Nothing here knows of scenes, files or the GPU.
 //!
 //! Cameras and bounds are kept in `f64`. Matrices are named by the spaces they connect, destination first
 //! (`view_from_world`), and points and vectors by the space they live in (`point_in_view`).
@@ -10,6 +10,7 @@ pub mod color;
 mod image;
 mod layer;
 mod lights;
+pub mod spelling;
 pub mod views;
 
 pub use bounds::{Bounds, Sphere};

@@ -44,6 +44,7 @@ mod importing;
 mod names;
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::io::Read;
 use std::path::Path;
 
 use glam::DVec3;
@@ -59,6 +60,22 @@ use crate::transfer::{TransferSource, place_of};
 
 /// In front of the name of a generated scene.
 const BUILTIN: &str = "builtin:";
+/// Largest session file that is read, bytes.
+const LARGEST: u64 = 64 << 20;
+
+/// What a session file says.
+///
+/// # Errors
+/// What the system says; [`std::io::ErrorKind::FileTooLarge`] beyond 64 MiB.
+pub fn read_text(path: &Path) -> std::io::Result<String> {
+    let mut text = String::new();
+    std::fs::File::open(path)?.take(LARGEST + 1).read_to_string(&mut text)?;
+    if text.len() as u64 > LARGEST {
+        let reason = format!("larger than {} MiB", LARGEST >> 20);
+        return Err(std::io::Error::new(std::io::ErrorKind::FileTooLarge, reason));
+    }
+    Ok(text)
+}
 
 /// Everything that is seen.
 #[derive(Clone, Debug, PartialEq)]

@@ -6,8 +6,8 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
+use crate::math::spelling::edit_distance;
 use crate::scene::Scene;
-use crate::settings::edit_distance;
 
 /// Levels of a path that are written, counted from the part: a file may nest nodes as deep as it likes.
 const MOST_LEVELS: usize = 64;

@@ -1,6 +1,7 @@
 //! The one declaration of a setting, and what is made of it.
 
 use super::SettingsError;
+use crate::math::spelling::edit_distance;
 use crate::transfer;
 
 /// What a setting may be.
@@ -121,32 +122,6 @@ pub(super) fn find(path: &str, declarations: &[Declaration]) -> Result<Declarati
             .filter(|(distance, _)| *distance <= 12)
             .map(|(_, p)| p.clone()),
     })
-}
-
-/// The one of several names that a word was probably meant to be, if any is near.
-pub fn nearest<'a>(word: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    let most = (word.chars().count() / 2).clamp(1, 4);
-    names
-        .into_iter()
-        .map(|name| (edit_distance(word, name), name))
-        .min()
-        .filter(|(distance, _)| *distance <= most)
-        .map(|(_, name)| name)
-}
-
-/// How many characters have to be changed, added or taken away to make one text of the other.
-pub(crate) fn edit_distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, ca) in a.chars().enumerate() {
-        let mut diagonal = std::mem::replace(&mut row[0], i + 1);
-        for (j, &cb) in b.iter().enumerate() {
-            let substituted = diagonal + usize::from(ca != cb);
-            diagonal = row[j + 1];
-            row[j + 1] = substituted.min(row[j] + 1).min(diagonal + 1);
-        }
-    }
-    row[b.len()]
 }
 
 /// What is done with each value of a table: gets its path and the value.

@@ -12,9 +12,8 @@ pub mod looks;
 
 use serde::{Deserialize, Serialize};
 
+pub use crate::math::spelling::nearest;
 pub use axis::{Axis, Effect, Knob, Technique, holds, text_at};
-pub(crate) use declare::edit_distance;
-pub use declare::nearest;
 pub use declare::{Declaration, Range};
 use declare::{choice, settings};
 pub use illustration::{

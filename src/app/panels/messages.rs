@@ -10,11 +10,11 @@ pub fn show(ui: &mut Ui, picture: Rect, workspace: &mut Workspace) {
     if let Some(loading) = workspace.loading.clone() {
         over(ui, "loading", Align2::CENTER_CENTER, picture, |ui| {
             ui.set_width(280.0);
-            ui.label(RichText::new(format!("{} {}", loading.doing, loading.file)).strong());
-            match loading.share {
-                Some(share) => ui.add(egui::ProgressBar::new(share).desired_height(8.0)),
-                None => ui.add(egui::ProgressBar::new(1.0).desired_height(8.0).fill(ui.visuals().selection.bg_fill)),
-            };
+            ui.label(RichText::new(format!("Opening {}", loading.file)).strong());
+            // The bar is of the phase: how long those take that follow nobody knows.
+            let (doing, share) = loading.phase.map_or(("beginning", 0.0), |(phase, share)| (phase.name(), share));
+            ui.add(egui::ProgressBar::new(share).desired_height(8.0));
+            ui.weak(format!("{doing}, {:.0} %", 100.0 * share));
             if ui.button("Cancel").clicked() {
                 workspace.asks.push(Ask::CancelLoading);
             }

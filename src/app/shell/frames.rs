@@ -6,7 +6,7 @@ use egui::ViewportId;
 use winit::event_loop::ActiveEventLoop;
 
 use super::{LONGEST_REST, Release, Shell, workshop};
-use crate::app::loader::Phase;
+use crate::app::loader::Loading;
 use crate::app::panels;
 use crate::app::surface::Drawn;
 use crate::app::watch::Watch;
@@ -24,13 +24,8 @@ impl Shell {
     /// Shows egui what has come and asks for the picture that is to be seen then; gives what is to be drawn, if the window has
     /// a size. What changes of textures is kept until something is drawn.
     pub(super) fn lay_out(&mut self, event_loop: &ActiveEventLoop) -> Option<LaidOut> {
-        self.workspace.loading = self.loading.as_ref().map(|l| {
-            let (doing, share) = match l.phase() {
-                Phase::Reading(share) => ("Reading", Some(share)),
-                Phase::Building => ("Building", None),
-            };
-            LoadingView { file: l.file.clone(), doing, share }
-        });
+        let view = |l: &Loading| LoadingView { file: l.file.clone(), phase: l.phase() };
+        self.workspace.loading = self.loading.as_ref().map(view);
         let open = self.open.as_mut()?;
         let size = open.window.inner_size();
         if size.width == 0 || size.height == 0 {

@@ -6,8 +6,12 @@ use std::path::Path;
 use gltf_json::Root;
 
 use super::budget::Budget;
-use super::{Fallible, Fault, Limits, Notices, meshopt, uri};
+use super::{Fallible, Fault, ImportOptions, Notices, meshopt, uri};
+use crate::import::Phase;
 use crate::scene::NoticeKind;
+
+/// The share of parsing that reading buffers is, where there are some outside the file.
+pub(super) const SHARE: f32 = 0.5;
 
 /// The bytes of every buffer, exactly `byteLength` each.
 pub(super) fn read<'a>(
@@ -15,9 +19,12 @@ pub(super) fn read<'a>(
     binary: Option<&'a [u8]>,
     folder: Option<&Path>,
     budget: &Budget,
-    limits: &Limits,
+    options: &ImportOptions,
     notices: &mut Notices,
 ) -> Fallible<Vec<Cow<'a, [u8]>>> {
+    let elsewhere = root.buffers.iter().filter(|buffer| buffer.uri.is_some());
+    let total = elsewhere.fold(0_u64, |sum, buffer| sum.saturating_add(buffer.byte_length.0));
+    let mut before = 0_u64;
     let mut buffers = Vec::new();
     let mut binary_used = false;
     for (i, buffer) in root.buffers.iter().enumerate() {
@@ -32,7 +39,14 @@ pub(super) fn read<'a>(
         let (bytes, source) = match (&buffer.uri, binary) {
             (Some(uri), _) => {
                 tell_kind(uri, &place, notices);
-                (Cow::Owned(uri::resolve(uri, &format!("{place}.uri"), folder, limits.bytes)?), "its data")
+                let meanwhile = |read: u64| {
+                    let share = (before as f64 + read as f64) / (total as f64).max(1.0);
+                    options.progress.tell(Phase::Parsing, SHARE * share as f32);
+                    options.cancel.go_on()
+                };
+                let bytes = uri::resolve(uri, &format!("{place}.uri"), folder, options.limits.bytes, &meanwhile)?;
+                before = before.saturating_add(bytes.len() as u64);
+                (Cow::Owned(bytes), "its data")
             }
             (None, Some(chunk)) if i == 0 => {
                 binary_used = true;

@@ -55,7 +55,7 @@ pub(super) fn read(
         }
         let place = format!("images[{index}]");
         options.cancel.go_on()?;
-        match open(root, data, sources, index, &place, folder, limits, notices) {
+        match open(root, data, sources, index, &place, folder, options, notices) {
             Ok((bytes, [width, height])) => {
                 pixels = pixels.saturating_add(u64::from(width) * u64::from(height));
                 if pixels > limits.image_pixels {
@@ -121,12 +121,15 @@ fn open<'a>(
     index: usize,
     place: &str,
     folder: Option<&Path>,
-    limits: &Limits,
+    options: &ImportOptions,
     notices: &mut Notices,
 ) -> Fallible<(Cow<'a, [u8]>, [u32; 2])> {
+    let limits = &options.limits;
     let image = &root.images[index];
     let bytes = match (&image.uri, image.buffer_view) {
-        (Some(uri), None) => Cow::Owned(uri::resolve(uri, &format!("{place}.uri"), folder, limits.bytes)?),
+        (Some(uri), None) => {
+            Cow::Owned(uri::resolve(uri, &format!("{place}.uri"), folder, limits.bytes, &|_| options.cancel.go_on())?)
+        }
         (None, Some(view)) => Cow::Borrowed(data.view(view, &format!("{place}.bufferView"))?),
         (Some(_), Some(_)) => return Err(Fault::invalid(place, "has both a uri and a bufferView")),
         (None, None) => return Err(Fault::invalid(place, "has neither a uri nor a bufferView")),

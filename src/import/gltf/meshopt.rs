@@ -105,7 +105,8 @@ pub(super) fn decode<B: AsRef<[u8]>>(
             streams.push(stream);
         }
     }
-    let steps = Steps::new(options, Phase::Parsing, [0.0, 1.0], streams.len());
+    let begin = if root.buffers.iter().any(|buffer| buffer.uri.is_some()) { super::buffers::SHARE } else { 0.0 };
+    let steps = Steps::new(options, Phase::Parsing, [begin, 1.0], streams.len());
     let decoded: Vec<Fallible<(Vec<u8>, Notices)>> =
         streams.par_iter().map(|stream| steps.each(|| stream.decode())).collect();
     let mut views: Vec<Option<Vec<u8>>> = vec![None; root.buffer_views.len()];

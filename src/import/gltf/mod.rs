@@ -7,7 +7,7 @@
 //! → `extensions` (what is required, what is left out) → `buffers` and `uri`, `meshopt` (compressed views) → `accessor` →
 //! `sources`, `images` and `ktx2` → `materials` → `variants` → `draco` (compressed primitives) → `geometry` (with `attributes`,
 //! `import::triangles`, `import::tangents`) → `nodes` (with `instancing`). `validator` lists what becomes of every fault that the
-//! Khronos validator knows. What is done piece by piece, in parallel, goes through `steps`, and what it holds through `budget`.
+//! Khronos validator knows. What is done piece by piece, in parallel, goes through `import::steps`, and what it holds through `budget`.
 
 mod accessor;
 mod attributes;
@@ -26,7 +26,6 @@ mod meshopt;
 mod nodes;
 mod schema;
 mod sources;
-mod steps;
 mod uses;
 pub(super) mod validator;
 mod variants;
@@ -36,10 +35,11 @@ mod tests;
 
 use std::path::Path;
 
-use super::{Fallible, Fault, ImportOptions, Limits, Notices, Phase, uri};
+use super::{Fallible, Fault, ImportOptions, Limits, Notices, Phase, steps, uri};
 use crate::scene::Scene;
 use budget::Budget;
 pub(super) use extensions::features;
+pub(super) use variants::unknown as unknown_variant;
 
 /// Reads a glTF file; files that it refers to are looked up in `folder` and refused without one.
 pub(super) fn read(bytes: &[u8], name: &str, folder: Option<&Path>, options: &ImportOptions) -> Fallible<Scene> {
@@ -51,7 +51,7 @@ pub(super) fn read(bytes: &[u8], name: &str, folder: Option<&Path>, options: &Im
     extensions::report(&document, &mut notices)?;
     uses::report(&document.root, &mut notices);
     let budget = Budget::new(&options.limits);
-    let buffers = buffers::read(&document.root, parts.binary, folder, &budget, &options.limits, &mut notices)?;
+    let buffers = buffers::read(&document.root, parts.binary, folder, &budget, options, &mut notices)?;
     options.cancel.go_on()?;
     let views = meshopt::decode(&document.root, &buffers, &budget, options, &mut notices)?;
     let mut data = accessor::Data::new(&document.root, &buffers, &views, &options.limits, &mut notices)?;

@@ -11,10 +11,14 @@ use serde_json::Value;
 
 use super::accessor::missing;
 use super::{Fallible, Fault, ImportOptions, Notices};
+use crate::math::spelling::nearest;
 use crate::scene::NoticeKind;
 
 /// The extension's name.
 pub(super) const NAME: &str = "KHR_materials_variants";
+
+/// So many names are listed where one is not found.
+const MOST_LISTED: usize = 40;
 
 /// The names in the file's own order, from the content of its top-level extension.
 pub(super) fn names(object: Option<&Value>) -> Fallible<Vec<String>> {
@@ -30,6 +34,21 @@ pub(super) fn names(object: Option<&Value>) -> Fallible<Vec<String>> {
     list.iter().enumerate().map(name).collect()
 }
 
+/// That there is no variant of the name `wanted`, with the names that there are, and the nearest.
+pub(in crate::import) fn unknown(wanted: &str, names: &[String]) -> Fault {
+    if names.is_empty() {
+        return Fault::invalid("variant", format!("'{wanted}' does not exist: the file has no variants"));
+    }
+    let listed = names.iter().take(MOST_LISTED).map(|name| format!("'{name}'")).collect::<Vec<_>>().join(", ");
+    let more = match names.len().saturating_sub(MOST_LISTED) {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    let hint = nearest(wanted, names.iter().map(String::as_str)).map(|name| format!("; did you mean '{name}'?"));
+    let hint = hint.unwrap_or_default();
+    Fault::invalid("variant", format!("'{wanted}' does not exist: the file has {listed}{more}{hint}"))
+}
+
 /// Checks all mappings and gives primitives the material of the chosen variant.
 pub(super) fn choose(
     root: &mut Root,
@@ -39,13 +58,7 @@ pub(super) fn choose(
 ) -> Fallible<()> {
     let chosen = match &options.variant {
         None => None,
-        Some(wanted) => Some(names.iter().position(|name| name == wanted).ok_or_else(|| {
-            let offered = match names {
-                [] => "the file has no variants".to_owned(),
-                names => format!("the file has {}", names.join(", ")),
-            };
-            Fault::invalid("variant", format!("{wanted:?} does not exist: {offered}"))
-        })?),
+        Some(wanted) => Some(names.iter().position(|name| name == wanted).ok_or_else(|| unknown(wanted, names))?),
     };
     let materials = root.materials.len();
     for (m, mesh) in root.meshes.iter_mut().enumerate() {

@@ -118,7 +118,7 @@ fn library_files(
     options: &ImportOptions,
     notices: &mut Notices,
 ) -> Fallible<Vec<(String, Vec<u8>)>> {
-    let open = |file: &str| uri::file(file, "mtllib", folder, options.limits.bytes);
+    let open = |file: &str| uri::file(file, "mtllib", folder, options.limits.bytes, &|_| options.cancel.go_on());
     let whole = name(library);
     let several: Vec<String> = words(library).map(name).collect();
     let mut found = Vec::new();

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::mtl::Map;
 use crate::import::images::{Lost, decode, dimensions};
-use crate::import::{Fallible, Fault, ImportOptions, Notices, uri};
+use crate::import::{Cancel, Fallible, Fault, ImportOptions, Notices, uri};
 use crate::scene::{Image, Mip, NoticeKind, Texture, TextureRef, Wrap};
 
 /// Whether a colour's texture has opacity.
@@ -55,7 +55,7 @@ impl Textures {
         let mut bytes_left = options.limits.bytes;
         for file in files {
             options.cancel.go_on()?;
-            let found = find(&file, folder, bytes_left, notices);
+            let found = find(&file, folder, bytes_left, &options.cancel, notices);
             bytes_left -= found.as_ref().map_or(0, |bytes| bytes.len() as u64);
             let sized = found.and_then(|bytes| {
                 let (width, height) = dimensions(&bytes, &format!("texture {file:?}"), &options.limits)?;
@@ -256,9 +256,9 @@ impl Textures {
 const HEIGHT: f32 = 4.0;
 
 /// The bytes of a texture: where the file says, else, if that is another machine's path, by its name in the folder.
-fn find(file: &str, folder: Option<&Path>, limit: u64, notices: &mut Notices) -> Fallible<Vec<u8>> {
+fn find(file: &str, folder: Option<&Path>, limit: u64, cancel: &Cancel, notices: &mut Notices) -> Fallible<Vec<u8>> {
     let place = "texture";
-    let first = match uri::file(file, place, folder, limit) {
+    let first = match uri::file(file, place, folder, limit, &|_| cancel.go_on()) {
         Ok(bytes) => return Ok(bytes),
         Err(fault) => fault,
     };
@@ -267,7 +267,8 @@ fn find(file: &str, folder: Option<&Path>, limit: u64, notices: &mut Notices) ->
     let listed = folder.and_then(|f| std::fs::read_dir(f).ok()).into_iter().flatten().flatten();
     let same = |found: &str| found.eq_ignore_ascii_case(name);
     let found = listed.filter_map(|e| e.file_name().into_string().ok()).filter(|n| same(n)).min();
-    let Some(bytes) = found.as_ref().and_then(|found| uri::file(found, place, folder, limit).ok()) else {
+    let Some(bytes) = found.as_ref().and_then(|found| uri::file(found, place, folder, limit, &|_| cancel.go_on()).ok())
+    else {
         return Err(first);
     };
     notices.repaired(format!("texture {file:?} was found as {:?}", found.unwrap_or_default()));

@@ -62,7 +62,10 @@ pub(super) fn read(bytes: &[u8], options: &ImportOptions, notices: &mut Notices)
     notices.count(NoticeKind::Ignored, "words are none of STL's and were skipped", reader.unknown, "file");
     let mut solids = Vec::new();
     let mut vertices = 0;
+    options.cancel.go_on()?;
+    options.progress.tell(Phase::Geometry, 0.0);
     for (i, raw) in reader.solids.into_iter().enumerate() {
+        options.cancel.go_on()?;
         let origin = origin_of(&raw.corners);
         let corners: Vec<[f32; 3]> = raw.corners.iter().map(|&c| relative(c, origin)).collect();
         let primitive = welded(&corners, &format!("solid {}", i + 1), notices);

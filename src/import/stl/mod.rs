@@ -34,7 +34,8 @@ pub(super) fn read(bytes: &[u8], name: &str, options: &ImportOptions) -> Fallibl
     if solids.is_empty() {
         return Err(Fault::invalid("file", "an STL file without triangles"));
     }
-    options.progress.tell(Phase::Geometry, 0.0);
+    // They are welded; the rest are their normals.
+    options.progress.tell(Phase::Geometry, 0.5);
     let mut scene = Scene { name: name.to_owned(), materials: vec![plain_material()], ..Scene::default() };
     let many = solids.len() > 1;
     let total = solids.len() as f32;
@@ -49,7 +50,7 @@ pub(super) fn read(bytes: &[u8], name: &str, options: &ImportOptions) -> Fallibl
         };
         scene.nodes.push(Node::root(label, Some(i), DMat4::from_translation(solid.origin)));
         scene.meshes.push(Mesh { name: String::new(), primitives: vec![solid.primitive] });
-        options.progress.tell(Phase::Geometry, (i + 1) as f32 / total);
+        options.progress.tell(Phase::Geometry, 0.5 + 0.5 * (i + 1) as f32 / total);
     }
     notices.computed(format!(
         "STL has no vertex normals: they were smoothed over edges of up to {}°",

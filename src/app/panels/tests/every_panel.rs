@@ -11,6 +11,7 @@ use crate::app::models;
 use crate::app::pictures::Kind;
 use crate::app::viewport::Shown;
 use crate::app::workspace::{LoadingView, OnScreen, Prompt};
+use crate::import::Phase;
 
 type Window = Harness<'static, Workspace>;
 
@@ -154,10 +155,16 @@ fn the_style_follows_theme_and_size() {
 #[test]
 fn messages_tell_how_far_loading_is_and_let_it_be_called_off() {
     let mut window = harness(workspace("stack"));
-    let half = LoadingView { file: "pump.glb".to_owned(), doing: "Reading", share: Some(0.5) };
-    window.state_mut().loading = Some(half);
-    window.run();
-    window.get_by_label("Reading pump.glb");
+    for (phase, said) in [
+        (None, "beginning, 0 %"),
+        (Some((Phase::Reading, 0.5)), "reading, 50 %"),
+        (Some((Phase::Images, 1.0)), "decoding images, 100 %"),
+    ] {
+        window.state_mut().loading = Some(LoadingView { file: "pump.glb".to_owned(), phase });
+        window.run();
+        window.get_by_label("Opening pump.glb");
+        window.get_by_label(said);
+    }
     click(&mut window, "Cancel");
     assert_eq!(std::mem::take(&mut window.state_mut().asks), [Ask::CancelLoading]);
     window.state_mut().loading = None;

@@ -98,10 +98,19 @@ fn variants_are_chosen_by_name() {
     // A primitive that says nothing about a variant keeps its own material.
     assert_eq!(shown(Some("bare")).unwrap(), "grey");
     let error = shown(Some("chrome")).unwrap_err();
-    assert!(error.contains("\"chrome\" does not exist: the file has rubber, steel, bare"), "{error}");
+    assert!(error.ends_with("'chrome' does not exist: the file has 'rubber', 'steel', 'bare'"), "{error}");
+    let error = shown(Some("Steel")).unwrap_err();
+    assert!(error.ends_with("the file has 'rubber', 'steel', 'bare'; did you mean 'steel'?"), "{error}");
+    // Nor has a file of a format without variants any.
     let options = ImportOptions { variant: Some("x".to_owned()), ..ImportOptions::default() };
-    let error = load_bytes_with(&Builder::quad().bytes(), "test", None, &options).unwrap_err().to_string();
-    assert!(error.contains("the file has no variants"), "{error}");
+    for bytes in [&Builder::quad().bytes()[..], b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"] {
+        let error = load_bytes_with(bytes, "test", None, &options).unwrap_err().to_string();
+        assert_eq!(error, "test: variant: 'x' does not exist: the file has no variants");
+    }
+    // A long list is cut.
+    let many: Vec<String> = (0..50).map(|i| format!("finish {i}")).collect();
+    let error = super::super::unknown_variant("none", &many).in_file("test").to_string();
+    assert!(error.ends_with("'finish 39' and 10 more"), "{error}");
 }
 
 #[test]

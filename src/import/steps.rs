@@ -5,8 +5,7 @@
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-use super::{Fallible, Fault, ImportOptions};
-use crate::import::Phase;
+use super::{Fallible, Fault, ImportOptions, Phase};
 
 /// One phase's pieces, some of them done.
 pub(super) struct Steps<'a> {
