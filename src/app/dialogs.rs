@@ -61,8 +61,15 @@ pub struct Chosen {
     never_there: bool,
 }
 
-/// Shows the desktop's dialog; `done` is called from another thread. `file` is the model that is open.
-pub fn choose(choice: Choice, window: Option<&Window>, file: Option<&str>, done: impl FnOnce(Chosen) + Send + 'static) {
+/// Shows the desktop's dialog; `done` is called from another thread. `file` is the model that is open, `converted` are the
+/// endings of files that converters read.
+pub fn choose(
+    choice: Choice,
+    window: Option<&Window>,
+    file: Option<&str>,
+    converted: Vec<String>,
+    done: impl FnOnce(Chosen) + Send + 'static,
+) {
     let stem = file.map(|f| f.trim_start_matches("builtin:")).and_then(|f| Path::new(f).file_stem());
     let stem = stem.map_or_else(|| "pellucid".to_owned(), |s| s.to_string_lossy().into_owned());
     let suggestion = format!("{stem}.{}", choice.ending());
@@ -82,8 +89,9 @@ pub fn choose(choice: Choice, window: Option<&Window>, file: Option<&str>, done:
     // Made here, because some desktops want that on the window's thread; waited for elsewhere.
     let spawned = match choice {
         Choice::Open => {
-            let answer =
-                dialog.add_filter("Models and sessions", &["glb", "gltf", "obj", "stl", "ply", "toml"]).pick_file();
+            let read = ["glb", "gltf", "obj", "stl", "ply", "toml"].map(str::to_owned);
+            let endings: Vec<String> = read.into_iter().chain(converted).collect();
+            let answer = dialog.add_filter("Models and sessions", &endings).pick_file();
             std::thread::Builder::new().name("dialog".to_owned()).spawn(move || finish(pollster::block_on(answer)))
         }
         Choice::ImportTransfer => {

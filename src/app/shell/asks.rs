@@ -62,7 +62,8 @@ impl Shell {
                     let proxy = self.proxy.clone();
                     let window = self.open.as_ref().map(|o| Arc::clone(&o.window));
                     let file = self.workspace.document.as_ref().map(|d| d.file.clone());
-                    dialogs::choose(choice, window.as_deref(), file.as_deref(), move |chosen| {
+                    let converted = self.workspace.configuration.import_options().converters.into_keys().collect();
+                    dialogs::choose(choice, window.as_deref(), file.as_deref(), converted, move |chosen| {
                         let _ = proxy.send_event(Event::Chosen(chosen));
                     });
                 }
