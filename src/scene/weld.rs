@@ -19,6 +19,9 @@ const BUCKETS: usize = 256;
 /// Below this many elements one table does.
 const SMALL: usize = 1 << 14;
 
+/// Elements with their keys.
+type Bucket<const N: usize> = Vec<(u32, [u32; N])>;
+
 /// What [`weld`] found.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Welded {
@@ -47,10 +50,11 @@ pub fn weld<const N: usize>(count: usize, key: impl Fn(usize) -> [u32; N] + Sync
     }
     // The elements of every bucket with their keys, chunk by chunk, so that those of a bucket are in order. Keys are copied
     // because looking them up where they are would miss the cache each time.
-    let dealt: Vec<Vec<Vec<(u32, [u32; N])>>> = (0..count.div_ceil(CHUNK))
+    let dealt: Vec<Vec<Bucket<N>>> = (0..count.div_ceil(CHUNK))
         .into_par_iter()
         .map(|chunk| {
-            let mut buckets: Vec<Vec<_>> = (0..BUCKETS).map(|_| Vec::with_capacity(CHUNK / BUCKETS * 5 / 4)).collect();
+            let mut buckets: Vec<Bucket<N>> =
+                (0..BUCKETS).map(|_| Vec::with_capacity(CHUNK / BUCKETS * 5 / 4)).collect();
             for i in chunk * CHUNK..((chunk + 1) * CHUNK).min(count) {
                 let key = key(i);
                 buckets[hash(key) as usize % BUCKETS].push((i as u32, key));
