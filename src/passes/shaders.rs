@@ -44,7 +44,7 @@ pub struct PassShader {
 }
 
 /// A shader and the entry points that are used.
-type Used = (ShaderSpec, &'static [&'static str]);
+pub type Used = (ShaderSpec, &'static [&'static str]);
 
 fn drawn(vertices: Vertices, fragment: &dyn Fn(ShaderSpec) -> ShaderSpec) -> Vec<Used> {
     vertex_stages(vertices).into_iter().map(|vertex| (fragment(vertex), RASTER)).collect()
@@ -59,6 +59,11 @@ fn sorted(plan: &FramePlan, elements: &'static str, classified: bool) -> Vec<Use
     let classes = classified.then(|| (sort::classify_spec(&modules), sort::CLASSIFY_ENTRIES.as_slice()));
     let sorts = sort::sort_specs(&modules, elements, longest).into_iter().map(|spec| (spec, MAIN));
     classes.into_iter().chain(sorts).collect()
+}
+
+/// The shaders that sort the lists of a plan, however long: a frame compiles those for the lengths that it meets.
+pub fn sorts(plan: &FramePlan) -> Vec<Used> {
+    if plan.runs(Pass::Sort) { shaders_of(plan, Pass::Sort) } else { Vec::new() }
 }
 
 /// Whether lists are sorted without being classified by their length.

@@ -212,6 +212,20 @@ impl Renderer {
         self.shaders.replace(module, text);
     }
 
+    /// Compiles what sorts the lists of a plan, however long they are: a frame compiles no more of it than it needs, so a later
+    /// one with longer lists would take half a second for it.
+    ///
+    /// # Errors
+    /// [`GpuError`] if a shader does not compile.
+    pub fn warm_up(&self, plan: &FramePlan) -> Result<(), GpuError> {
+        for (spec, entries) in crate::passes::shaders::sorts(plan) {
+            for entry in entries {
+                self.shaders.kernel(&spec, entry)?;
+            }
+        }
+        self.gpu.check()
+    }
+
     /// Uploads a finished scene.
     ///
     /// # Errors

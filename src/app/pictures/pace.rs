@@ -1,14 +1,22 @@
 //! How coarse a preview is: the controller that holds its time.
 //!
 //! A preview has 1/d of the viewport's width and height, d one of [`DIVISORS`]. After each picture the controller takes the
-//! finest of them whose time, if time goes with the number of pixels, is inside the target. Work that does not depend on pixels
-//! (vertices) makes that too hopeful when it coarsens, which the next measurement mends, and too careful when it refines, which
-//! keeps it from going back and forth.
+//! finest of them whose time is inside the target. When it refines, time is taken to go with the number of pixels, which is too
+//! careful and keeps it from going back and forth; when it coarsens, a part of it is taken not to (vertices, what every pass
+//! costs).
 
 /// Steps of coarseness.
 pub const DIVISORS: [f64; 10] = [1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0];
 /// What a preview may take in any case for which only light and opacity are computed, milliseconds.
 const LEAST_LIGHT: f64 = 24.0;
+/// How much of its target a finer preview may be expected to take. Where layers are kept, another size captures them anew: what
+/// is gained has to be worth it, and must not be lost again at the next slow picture.
+const MARGIN: f64 = 0.85;
+/// The same where layers are kept.
+const MARGIN_LIGHT: f64 = 0.55;
+/// Share of a preview's time that is taken not to depend on its pixels when it is made coarser: too much is one step too coarse,
+/// too little another capture.
+const FIXED: f64 = 0.15;
 /// Where an unknown model begins.
 const FIRST: usize = 5;
 /// No preview has a side of fewer pixels, unless the viewport has.
@@ -44,7 +52,7 @@ impl Paces {
     /// For previews that take no longer than `target` milliseconds.
     pub fn new(target: f64) -> Paces {
         let pace = Pace::new(target);
-        Paces { view: pace.clone(), light: pace.clone(), whole: pace }
+        Paces { view: pace.clone(), light: Pace { margin: MARGIN_LIGHT, ..pace.clone() }, whole: pace }
     }
 
     /// The one of a change.
@@ -75,6 +83,8 @@ impl Paces {
 pub struct Pace {
     /// What a preview may take, milliseconds.
     pub target: f64,
+    /// Share of it that a finer one may be expected to take.
+    margin: f64,
     step: usize,
     /// The time of the last measurements at this step, smoothed.
     milliseconds: Option<f64>,
@@ -83,7 +93,7 @@ pub struct Pace {
 impl Pace {
     /// For pictures that take no longer than `target` milliseconds.
     pub fn new(target: f64) -> Pace {
-        Pace { target, step: FIRST, milliseconds: None }
+        Pace { target, margin: MARGIN, step: FIRST, milliseconds: None }
     }
 
     /// By how much width and height are divided.
@@ -108,9 +118,14 @@ impl Pace {
         let smoothed = self.milliseconds.map_or(milliseconds, |m| 0.5 * (m + milliseconds));
         self.milliseconds = Some(smoothed);
         let pixels = |step: usize| 1.0 / (DIVISORS[step] * DIVISORS[step]);
-        let predicted = |step: usize| smoothed * pixels(step) / pixels(self.step);
-        let margin = |step: usize| if step < self.step { 0.85 } else { 1.0 };
-        let fits = (0..DIVISORS.len()).find(|&step| predicted(step) <= self.target * margin(step));
+        let fits = (0..DIVISORS.len()).find(|&step| {
+            let more = pixels(step) / pixels(self.step);
+            if step < self.step {
+                smoothed * more <= self.target * self.margin
+            } else {
+                smoothed * (FIXED + (1.0 - FIXED) * more) <= self.target
+            }
+        });
         let next = fits.unwrap_or(DIVISORS.len() - 1);
         // Finer by one step at a time: it is seen.
         let next = next.max(self.step.saturating_sub(1));
@@ -122,7 +137,7 @@ impl Pace {
 
     /// Forgets what was measured: another model.
     pub fn restart(&mut self) {
-        *self = Pace::new(self.target);
+        *self = Pace { margin: self.margin, ..Pace::new(self.target) };
     }
 }
 

@@ -16,6 +16,7 @@ use crate::app::watch::ShaderTexts;
 use crate::export::image::parse_background;
 use crate::export::png::rgba8;
 use crate::gpu::{Gpu, GpuError, GpuOptions, Timing};
+use crate::plan::Capture;
 use crate::render::{FrameReport, GpuScene, Kept, RenderError, Renderer};
 use crate::scene::{Arrangement, Scene};
 
@@ -266,6 +267,8 @@ struct Bench {
     renderer: Renderer,
     software: bool,
     scene: Option<Uploaded>,
+    /// The capture whose sorts are compiled for lists of any length.
+    warm: Option<Capture>,
 }
 
 /// A scene on the device.
@@ -360,6 +363,16 @@ impl Studio {
                 })));
             }
         }
+        // The next view may have longer lists, or the next size find some: whose hand is waiting waits for no compiler.
+        if self.kind == Kind::Preview
+            && let Some(bench) = self.bench.as_mut().filter(|b| b.warm != Some(report.plan.capture))
+            && desk.stays_idle(STILL)
+        {
+            bench.warm = Some(report.plan.capture);
+            if let Err(error) = bench.renderer.warm_up(&report.plan) {
+                tracing::warn!("sorts of longer lists could not be compiled: {error}");
+            }
+        }
         if self.kind == Kind::Exact
             && desk.is_idle()
             && let Some(against) = &order.extras.against
@@ -430,7 +443,7 @@ impl Studio {
                 // Of passes at once no times are known there.
                 renderer.timing = Timing::Off;
             }
-            self.bench = Some(Bench { renderer, software, scene: None });
+            self.bench = Some(Bench { renderer, software, scene: None, warm: None });
         }
         let Some(bench) = &mut self.bench else {
             return Err(RenderError::Cancelled);
