@@ -14,6 +14,8 @@ const LEAST_LIGHT: f64 = 24.0;
 const MARGIN: f64 = 0.85;
 /// The same where layers are kept.
 const MARGIN_LIGHT: f64 = 0.55;
+/// Previews in a row, where layers are kept, that have to have been so fast.
+const PATIENCE_LIGHT: u32 = 12;
 /// Share of a preview's time that is taken not to depend on its pixels when it is made coarser: too much is one step too coarse,
 /// too little another capture.
 const FIXED: f64 = 0.15;
@@ -52,7 +54,11 @@ impl Paces {
     /// For previews that take no longer than `target` milliseconds.
     pub fn new(target: f64) -> Paces {
         let pace = Pace::new(target);
-        Paces { view: pace.clone(), light: Pace { margin: MARGIN_LIGHT, ..pace.clone() }, whole: pace }
+        Paces {
+            view: pace.clone(),
+            light: Pace { margin: MARGIN_LIGHT, patience: PATIENCE_LIGHT, ..pace.clone() },
+            whole: pace,
+        }
     }
 
     /// The one of a change.
@@ -85,6 +91,10 @@ pub struct Pace {
     pub target: f64,
     /// Share of it that a finer one may be expected to take.
     margin: f64,
+    /// Previews in a row that have to be fast enough for a finer one.
+    patience: u32,
+    /// How many in a row have been.
+    fast: u32,
     step: usize,
     /// The time of the last measurements at this step, smoothed.
     milliseconds: Option<f64>,
@@ -93,7 +103,7 @@ pub struct Pace {
 impl Pace {
     /// For pictures that take no longer than `target` milliseconds.
     pub fn new(target: f64) -> Pace {
-        Pace { target, margin: MARGIN, step: FIRST, milliseconds: None }
+        Pace { target, margin: MARGIN, patience: 1, fast: 0, step: FIRST, milliseconds: None }
     }
 
     /// By how much width and height are divided.
@@ -129,15 +139,15 @@ impl Pace {
         let next = fits.unwrap_or(DIVISORS.len() - 1);
         // Finer by one step at a time: it is seen.
         let next = next.max(self.step.saturating_sub(1));
-        if next != self.step {
-            self.milliseconds = None;
-            self.step = next;
+        self.fast = if next < self.step { self.fast + 1 } else { 0 };
+        if next > self.step || self.fast >= self.patience {
+            *self = Pace { milliseconds: None, step: next, fast: 0, ..*self };
         }
     }
 
     /// Forgets what was measured: another model.
     pub fn restart(&mut self) {
-        *self = Pace { margin: self.margin, ..Pace::new(self.target) };
+        *self = Pace { margin: self.margin, patience: self.patience, ..Pace::new(self.target) };
     }
 }
 
@@ -182,7 +192,9 @@ mod tests {
     fn paces_learn_apart() {
         let mut paces = Paces::new(40.0);
         paces.aim(20.0);
-        for _ in 0..20 {
+        paces.of(Change::Light).measured(1.0);
+        assert_eq!(paces.of(Change::Light).divisor(), DIVISORS[FIRST], "one fast one is luck");
+        for _ in 0..80 {
             paces.of(Change::Whole).measured(30.0);
             paces.of(Change::Light).measured(1.0);
             paces.of(Change::View).measured(30.0);
