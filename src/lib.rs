@@ -5,6 +5,7 @@
 // Output goes through `cli::output`; a line printed elsewhere is a forgotten one.
 #![warn(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro)]
 
+#[cfg(feature = "window")]
 pub mod app;
 pub mod cli;
 pub mod export;

@@ -8,7 +8,7 @@ mod bench;
 mod budget;
 mod camera;
 mod compare;
-#[cfg(test)]
+#[cfg(all(test, feature = "window"))]
 mod copied_tests;
 mod failure;
 mod hard_cases;
@@ -33,6 +33,7 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser};
 
+#[cfg(feature = "window")]
 use crate::app;
 use crate::import::features;
 use crate::scene::builtin;
@@ -84,7 +85,10 @@ pub fn main() -> ExitCode {
     log_to_stderr();
     let done = configuration(&cli.configuration).and_then(|configuration| match cli.command {
         Some(command) => run(command, &configuration),
+        #[cfg(feature = "window")]
         None => app::run(&cli.files, configuration).map_err(|e| Failure::of(Exit::General, &e)),
+        #[cfg(not(feature = "window"))]
+        None => Err(Failure::new(Exit::General, "this pellucid was built without a window; see --help for commands")),
     });
     match done {
         Ok(()) => ExitCode::SUCCESS,
