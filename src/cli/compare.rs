@@ -174,6 +174,12 @@ struct Report {
 /// a threshold.
 pub fn run(args: &CompareArgs) -> Result<(), Failure> {
     if let Some(target) = &args.difference {
+        let ending = target.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
+        if target != Path::new("-") && ending.as_deref() != Some("png") {
+            let message =
+                format!("--difference {}: a difference image is a PNG; end its name in .png", target.display());
+            return Err(Failure::new(Exit::Usage, message));
+        }
         output::check(target)?;
     }
     let (name, reference_name) = (args.picture.display().to_string(), args.reference.display().to_string());

@@ -1,5 +1,6 @@
 //! What is in a file, for people and as JSON.
 
+use std::collections::HashMap;
 use std::fmt::Write;
 
 use glam::DVec3;
@@ -120,12 +121,13 @@ impl Report {
                 bounds: box_of(&part.bounds),
             }
         });
+        let part_of: HashMap<usize, usize> = scene.parts.iter().enumerate().map(|(i, part)| (part.node, i)).collect();
         let nodes = scene.nodes.iter().enumerate().map(|(i, node)| NodeFacts {
             name: node.name.clone(),
             parent: node.parent,
             children: node.children.clone(),
             mesh: node.mesh,
-            part: scene.parts.iter().position(|p| p.node == i),
+            part: part_of.get(&i).copied(),
         });
         let materials = scene.materials.iter().map(|m| MaterialFacts {
             name: m.name.clone(),

@@ -85,7 +85,7 @@ pub(super) fn convert(
     let (words, output) = words(command, &input, folder.path()).map_err(&fault)?;
     let (program, arguments) = words.split_first().ok_or_else(|| fault("is empty".to_owned()))?;
     let mut order = Command::new(program);
-    order.args(arguments).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
+    order.args(arguments).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
     // So that all that it starts can be ended with it.
     #[cfg(unix)]
     std::os::unix::process::CommandExt::process_group(&mut order, 0);
@@ -173,19 +173,8 @@ fn watch(
     folder: &Path,
     options: &ImportOptions,
 ) -> Result<(ExitStatus, String), Stop> {
-    let (sender, said) = mpsc::channel();
-    if let Some(mut stderr) = child.stderr.take() {
-        std::thread::spawn(move || {
-            let mut last: Vec<u8> = Vec::new();
-            let mut buffer = [0; 4096];
-            while let Ok(count @ 1..) = stderr.read(&mut buffer) {
-                last.extend_from_slice(&buffer[..count]);
-                last.drain(..last.len().saturating_sub(MOST_SAID));
-            }
-            // Nobody may be waiting any more.
-            sender.send(last).ok();
-        });
-    }
+    // Some programs say on standard output why they fail: that counts where standard error says nothing.
+    let said = [listen(child.stderr.take()), listen(child.stdout.take())];
     let begin = Instant::now();
     let limit = Duration::from_secs(options.limits.converter_seconds);
     let status = loop {
@@ -214,13 +203,39 @@ fn watch(
         options.progress.tell(Phase::Converting, (begin.elapsed().as_secs_f32() / limit.as_secs_f32()).min(0.99));
         std::thread::sleep(PAUSE);
     };
-    // What it started may still hold its standard error; that is not waited for.
-    let said = said.recv_timeout(Duration::from_millis(500)).unwrap_or_default();
-    let text = String::from_utf8_lossy(&said);
-    let line = text.lines().rev().map(str::trim).find(|line| !line.is_empty()).unwrap_or_default();
-    let line: String = line.chars().take(300).collect();
+    // What it started may still hold its outputs; that is not waited for.
+    let line = said
+        .iter()
+        .map(|s| last_line(&s.recv_timeout(Duration::from_millis(500)).unwrap_or_default()))
+        .find(|line| !line.is_empty())
+        .unwrap_or_default();
     // Paths into the folder mean nothing to anybody.
     Ok((status, line.replace(&format!("{}{}", folder.display(), std::path::MAIN_SEPARATOR), "")))
+}
+
+/// The end of what comes through a pipe, once it is closed.
+fn listen(pipe: Option<impl Read + Send + 'static>) -> mpsc::Receiver<Vec<u8>> {
+    let (sender, said) = mpsc::channel();
+    if let Some(mut pipe) = pipe {
+        std::thread::spawn(move || {
+            let mut last: Vec<u8> = Vec::new();
+            let mut buffer = [0; 4096];
+            while let Ok(count @ 1..) = pipe.read(&mut buffer) {
+                last.extend_from_slice(&buffer[..count]);
+                last.drain(..last.len().saturating_sub(MOST_SAID));
+            }
+            // Nobody may be waiting any more.
+            sender.send(last).ok();
+        });
+    }
+    said
+}
+
+/// The last line that is not empty, no more than 300 characters of it.
+fn last_line(said: &[u8]) -> String {
+    let text = String::from_utf8_lossy(said);
+    let line = text.lines().rev().map(str::trim).find(|line| !line.is_empty()).unwrap_or_default();
+    line.chars().take(300).collect()
 }
 
 /// Ends the program and all that it started.

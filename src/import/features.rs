@@ -75,6 +75,7 @@ const OTHERS: &[(&str, &str, Treatment, &str)] = {
         ("STL", "ASCII and binary", Read, "told apart by length"),
         ("STL", "normals of facets", Approximated, "computed from welded triangles, with a crease angle"),
         ("STL", "solids of an ASCII file", Read, "parts; a single one is divided into connected components"),
+        ("STL", "coordinates far from the origin", Read, "as exact as their 32 bits; moved to the origin"),
         ("STL", "colours in the attribute bytes", Ignored, "two dialects contradict each other"),
         ("PLY", "ASCII, binary of both byte orders", Read, ""),
         ("PLY", "polygons and triangle strips", Read, ""),

@@ -339,6 +339,11 @@ pub enum SceneError {
 /// keeps fewer than 20 bits of the scene's own size.
 const REBASE_RADII: f64 = 16.0;
 
+/// Scenes that are larger or smaller cannot be drawn right: `f32` ends, products of a few coordinates long before.
+const LARGEST_RADIUS: f64 = 1e12;
+/// See [`LARGEST_RADIUS`].
+const SMALLEST_RADIUS: f64 = 1e-12;
+
 impl Scene {
     /// Scene space from the node's space: the product of the transforms up to the root, re-based.
     pub fn world_from_node(&self, node: usize) -> DMat4 {
@@ -354,14 +359,28 @@ impl Scene {
     }
 
     /// Makes the parts from the nodes that have a mesh (roots first, then depth first in child order), numbers their
-    /// triangles, and re-bases a scene that lies far from the origin.
+    /// triangles, and re-bases a scene that lies far from the origin, meshes whose own coordinates do so too.
     ///
     /// # Errors
     /// [`SceneError::TooManyTriangles`] if the numbers do not fit 32 bits.
     pub fn finish(mut self) -> Result<Scene, SceneError> {
         self.origin = DVec3::ZERO;
         self.collect_parts()?;
-        let sphere = self.bounds().bounding_sphere();
+        let mut sphere = self.bounds().bounding_sphere();
+        if self.center_far_meshes(REBASE_RADII * sphere.radius) {
+            self.collect_parts()?;
+            sphere = self.bounds().bounding_sphere();
+        }
+        if !sphere.radius.is_finite() || sphere.radius > LARGEST_RADIUS || sphere.radius < SMALLEST_RADIUS {
+            let message = format!(
+                "the scene has a radius of {:e}: pictures of scenes beyond {SMALLEST_RADIUS:e} to {LARGEST_RADIUS:e} are \
+                 wrong or empty; change its unit",
+                sphere.radius
+            );
+            if !self.parts.is_empty() && self.notices.iter().all(|n| n.message != message) {
+                self.notices.push(Notice { kind: NoticeKind::Approximated, message });
+            }
+        }
         if sphere.center.length() > REBASE_RADII * sphere.radius && sphere.center != DVec3::ZERO {
             self.origin = sphere.center;
             self.collect_parts()?;
@@ -374,6 +393,44 @@ impl Scene {
             });
         }
         Ok(self)
+    }
+
+    /// Moves meshes of which a vertex lies farther than `far` from its node's origin into the middle of theirs, and their nodes
+    /// back; says whether there was any. Shaders multiply such coordinates in `f32`, and what a transform takes away again
+    /// would be lost (T29). The difference of numbers so close together is exact. A node with children keeps its place for
+    /// them: its mesh goes to a child of its own.
+    fn center_far_meshes(&mut self, far: f64) -> bool {
+        let lies_far = |part: &&Part| {
+            let vertex = self.meshes[part.mesh].primitives.iter().find_map(|p| p.positions.first());
+            let Some(&vertex) = vertex else { return false };
+            let linear = glam::DMat3::from_mat4(part.world_from_part);
+            far > 0.0 && (linear * glam::Vec3::from(vertex).as_dvec3()).length() > far
+        };
+        let meshes: std::collections::BTreeSet<usize> =
+            self.parts.iter().filter(lies_far).map(|part| part.mesh).collect();
+        for &mesh in &meshes {
+            let center = self.meshes[mesh].bounds().center().as_vec3().as_dvec3();
+            for position in self.meshes[mesh].primitives.iter_mut().flat_map(|p| &mut p.positions) {
+                *position = (glam::Vec3::from(*position).as_dvec3() - center).as_vec3().to_array();
+            }
+            let back = DMat4::from_translation(center);
+            for node in 0..self.nodes.len() {
+                if self.nodes[node].mesh != Some(mesh) {
+                    continue;
+                }
+                if self.nodes[node].children.is_empty() {
+                    self.nodes[node].parent_from_node *= back;
+                    continue;
+                }
+                let child = self.nodes.len();
+                let name = self.nodes[node].name.clone();
+                let parent = Some(node);
+                self.nodes.push(Node { name, parent, children: Vec::new(), parent_from_node: back, mesh: Some(mesh) });
+                self.nodes[node].mesh = None;
+                self.nodes[node].children.insert(0, child);
+            }
+        }
+        !meshes.is_empty()
     }
 
     fn collect_parts(&mut self) -> Result<(), SceneError> {
@@ -464,6 +521,42 @@ impl Node {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn meshes_far_from_their_nodes_are_centred_and_nothing_moves() {
+        let corners = [[1e7_f32, 2e7, 0.0], [1e7 + 1.0, 2e7, 0.0], [1e7, 2e7 + 2.0, 1.0]];
+        let primitive = Primitive { positions: corners.to_vec(), triangles: vec![[0, 1, 2]], ..Primitive::default() };
+        let mesh = Mesh { name: String::new(), primitives: vec![primitive] };
+        let mut parent = Node::root("housing", Some(0), DMat4::from_translation(DVec3::new(-1e7, -2e7, 0.0)));
+        parent.children = vec![1];
+        let mut child = Node::root("lid", Some(0), DMat4::from_translation(DVec3::Z));
+        child.parent = Some(0);
+        let scene = Scene { meshes: vec![mesh], nodes: vec![parent, child], ..Scene::default() }.finish().unwrap();
+        assert_eq!(scene.parts.iter().map(|p| p.name.as_str()).collect::<Vec<_>>(), ["housing", "lid"]);
+        let stored = &scene.meshes[0].primitives[0].positions;
+        assert!(stored.iter().flatten().all(|c| c.abs() <= 2.0), "{stored:?}");
+        for (part, lift) in scene.parts.iter().zip([0.0, 1.0]) {
+            for (&small, [x, y, z]) in stored.iter().zip(corners.map(|c| c.map(f64::from))) {
+                let place = part.world_from_part.transform_point3(glam::Vec3::from(small).as_dvec3()) + scene.origin;
+                assert_eq!(place, DVec3::new(x - 1e7, y - 2e7, z + lift), "{}", part.name);
+            }
+        }
+        let again = scene.clone().finish().unwrap();
+        let what = |s: &Scene| (s.origin, s.nodes.len(), s.meshes[0].primitives[0].positions.clone());
+        assert_eq!(what(&again), what(&scene), "there is nothing left to do");
+    }
+
+    #[test]
+    fn scenes_beyond_what_can_be_drawn_say_so() {
+        for (size, wrong) in [(1.0, false), (1e10, false), (1e16, true), (1e-20, true)] {
+            let positions = vec![[0.0; 3], [size, 0.0, 0.0], [0.0, size, 0.0]];
+            let primitive = Primitive { positions, triangles: vec![[0, 1, 2]], ..Primitive::default() };
+            let mesh = Mesh { name: String::new(), primitives: vec![primitive] };
+            let nodes = vec![Node::root("a", Some(0), DMat4::IDENTITY)];
+            let scene = Scene { meshes: vec![mesh], nodes, ..Scene::default() }.finish().unwrap();
+            assert_eq!(scene.notices.len(), usize::from(wrong), "{size}: {:?}", scene.notices);
+        }
+    }
 
     #[test]
     fn a_turned_part_is_bounded_by_its_vertices() {

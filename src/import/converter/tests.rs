@@ -93,6 +93,8 @@ fn what_a_program_writes_is_read() {
 fn failures_name_the_command_and_the_cause() {
     assert!(failure("no-such-program {in} {out}").ends_with("there is no program 'no-such-program'"));
     assert!(failure("false {in} {out}").ends_with("ended with code 1"));
+    let said = failure("sh -c 'echo the reason; exit 3' {in} {out}");
+    assert!(said.ends_with("ended with code 3: the reason"), "what it says on standard output: {said}");
     assert!(failure("true {in} {out.ply}").ends_with("ended well and wrote no out.ply"));
     assert!(failure("cp {in} {out}").contains("what it wrote cannot be read"));
     let said = failure("ls --no-such-option {in} {out}");

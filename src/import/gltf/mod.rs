@@ -35,6 +35,8 @@ mod tests;
 
 use std::path::Path;
 
+use glam::DMat4;
+
 use super::{Fallible, Fault, ImportOptions, Limits, Notices, Phase, steps, uri};
 use crate::scene::Scene;
 use budget::Budget;
@@ -86,8 +88,12 @@ pub(super) fn read(bytes: &[u8], name: &str, folder: Option<&Path>, options: &Im
     }
     scene.notices = notices.into_vec();
     options.cancel.go_on()?;
+    // Before finishing, which may move a node with its mesh; then into the re-based space.
+    let mut cameras = nodes::cameras(root, &hierarchy.cameras, &scene);
     let mut scene = scene.finish().map_err(Fault::Scene)?;
-    // After finishing, so that cameras are in the re-based space.
-    scene.cameras = nodes::cameras(root, &hierarchy.cameras, &scene);
+    for camera in &mut cameras {
+        camera.world_from_camera = DMat4::from_translation(-scene.origin) * camera.world_from_camera;
+    }
+    scene.cameras = cameras;
     Ok(scene)
 }
