@@ -373,7 +373,7 @@ impl Scene {
         }
         if !sphere.radius.is_finite() || sphere.radius > LARGEST_RADIUS || sphere.radius < SMALLEST_RADIUS {
             let message = format!(
-                "the scene has a radius of {:e}: pictures of scenes beyond {SMALLEST_RADIUS:e} to {LARGEST_RADIUS:e} are \
+                "the scene has a radius of {:.1e}: pictures of scenes beyond {SMALLEST_RADIUS:e} to {LARGEST_RADIUS:e} are \
                  wrong or empty; change its unit",
                 sphere.radius
             );
