@@ -2,12 +2,16 @@
 //!
 //! Most lengths are fractions of the picture and stay what they are. Others are not: the width of the outline, and, if they are
 //! measured in pixels, how far the fields of illustrative transparency spread ([`IllustrativeSettings::scaled`]). That also makes
-//! previews faster where it is needed, because steps are what illustration costs.
+//! previews faster where it is needed, because steps are what illustration costs. The pixel at a silhouette itself cannot become
+//! narrower: it is as opaque as the line covers it, or small parts would be solid and full of holes.
 //!
 //! [`IllustrativeSettings::scaled`]: crate::settings::IllustrativeSettings::scaled
 //! The paper's forms that fail stay as they are: one looks at them to see them fail.
 
 use crate::settings::{LengthUnit, PrintedForm, Settings};
+
+/// How wide the opaque line at a silhouette and the clear one behind it are, about, pixels of the exact picture.
+const LINE: f64 = 2.0;
 
 /// The settings with which 1/`divisor` of the pixels look as `settings` will.
 pub fn lowered(settings: &Settings, divisor: f64) -> Settings {
@@ -18,8 +22,13 @@ pub fn lowered(settings: &Settings, divisor: f64) -> Settings {
     }
     lowered.outline.width = (settings.outline.width / divisor).max(1.0);
     let fields = &settings.opacity.illustrative;
-    if fields.unit == LengthUnit::Pixel && fields.printed == PrintedForm::None {
-        lowered.opacity.illustrative = fields.scaled(divisor);
+    if fields.printed == PrintedForm::None {
+        if fields.unit == LengthUnit::Pixel {
+            lowered.opacity.illustrative = fields.scaled(divisor);
+        }
+        let covered = (LINE / divisor).min(1.0);
+        lowered.opacity.illustrative.beta.strength *= covered;
+        lowered.opacity.illustrative.gamma.strength *= covered;
     }
     lowered
 }
@@ -50,6 +59,8 @@ mod tests {
             let spread = variance(fields.iterations, fields.alpha.lambda) * divisor * divisor;
             assert!((spread - variance(exact.iterations, exact.alpha.lambda)).abs() < 1e-9, "{divisor}");
             assert!(fields.alpha.lambda <= exact.alpha.lambda + 1e-12, "as stable");
+            assert_eq!(fields.beta.strength, exact.beta.strength * (LINE / divisor).min(1.0));
+            assert_eq!(fields.gamma.strength, exact.gamma.strength * (LINE / divisor).min(1.0));
             assert!(fields.steps().most <= exact.steps().most, "{divisor}");
             let mut rest = lowered.clone();
             rest.opacity.illustrative = exact.clone();
@@ -67,6 +78,15 @@ mod tests {
         )
         .unwrap();
         assert_eq!(lowered(&settings, 4.0).opacity.illustrative, settings.opacity.illustrative);
+    }
+
+    #[test]
+    fn lines_are_as_opaque_as_they_cover_a_pixel_in_every_unit() {
+        let settings = Settings::from_pairs("opacity.model=illustrative opacity.illustrative.unit=view").unwrap();
+        let (exact, coarse) = (&settings.opacity.illustrative, lowered(&settings, 8.0).opacity.illustrative);
+        assert_eq!(coarse.beta.strength, 0.25 * exact.beta.strength);
+        assert_eq!(coarse.beta.lambda, exact.beta.lambda, "lengths are shares of the view");
+        assert_eq!(lowered(&settings, 1.5).opacity.illustrative.beta.strength, exact.beta.strength);
     }
 
     #[test]

@@ -151,6 +151,11 @@ impl Shell {
     /// A key; says whether it means anything.
     pub(super) fn key(&mut self, event: &KeyEvent) -> bool {
         let typing = self.context.text_edit_focused();
+        // It closes the menu, and no more.
+        let escape = winit::keyboard::Key::Named(winit::keyboard::NamedKey::Escape);
+        if event.logical_key == escape && egui::Popup::is_any_open(&self.context) {
+            return false;
+        }
         if event.state == ElementState::Pressed {
             self.note_key(&event.logical_key);
             #[cfg(debug_assertions)]
