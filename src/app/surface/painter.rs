@@ -526,5 +526,30 @@ mod tests {
         let [without, with] = [plain, white].map(|mesh| painted(&gpu, &mut painter, &[clipped(mesh)]));
         assert_eq!(without, with);
         painter.free_texture(TextureId::User(8));
+        // What is drawn again in part is what was drawn as a whole, gradients and their last bits too.
+        let mut fade = Mesh::default();
+        for (y, alpha) in [(3.0, 0), (31.0, 230)] {
+            for x in [1.0, 30.0] {
+                fade.colored_vertex(pos2(x, y), Color32::from_rgba_unmultiplied(29, 32, 37, alpha));
+            }
+        }
+        fade.indices = vec![0, 1, 2, 1, 2, 3];
+        let mut ground = Mesh::default();
+        square(&mut ground, [0.0, 0.0, 32.0, 32.0], [WHITE_UV; 2], Color32::from_rgb(29, 32, 37));
+        let whole = painted(&gpu, &mut painter, &[clipped(ground.clone()), clipped(fade.clone())]);
+        for (triangle, [left, top, right, bottom]) in
+            [(vec![1, 2, 3], [16.0, 24.0, 19.0, 30.0]), (vec![0, 1, 2, 1, 2, 3], [3.0, 8.0, 11.0, 20.0])]
+        {
+            let clip_rect = Rect::from_min_max(pos2(left, top), pos2(right, bottom));
+            let part = [ground.clone(), Mesh { indices: triangle, ..fade.clone() }]
+                .map(|mesh| ClippedPrimitive { clip_rect, primitive: Primitive::Mesh(mesh) });
+            let pixels = painted(&gpu, &mut painter, &part);
+            for y in 2 * top as u32..2 * bottom as u32 {
+                for x in 2 * left as u32..2 * right as u32 {
+                    let at = (y * SIDE + x) as usize;
+                    assert_eq!(pixels[at], whole[at], "pixel {x}, {y}");
+                }
+            }
+        }
     }
 }

@@ -25,7 +25,10 @@ fn corner(@location(0) at: vec2f, @location(1) uv: vec2f, @location(2) color: ve
     return Corner(vec4f(there.x, -there.y, 0.0, 1.0), color, uv);
 }
 
-fn written(color: vec4f) -> vec4f {
+fn written(given: vec4f) -> vec4f {
+    // No colour is that bright. But llvmpipe draws shaders that do nothing but multiply with 8-bit arithmetic, where the shape of
+    // what is drawn allows it, and what is drawn again in part would differ from the whole in the last bit.
+    let color = min(given, vec4f(2.0));
     if encodes {
         let c = color.rgb;
         let linear = select(pow((c + 0.055) / 1.055, vec3f(2.4)), c / 12.92, c <= vec3f(0.04045));
