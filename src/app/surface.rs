@@ -273,7 +273,7 @@ impl Surface {
                 occlusion_query_set: None,
                 multiview_mask: None,
             });
-            self.painter.paint(&mut pass, shapes, size);
+            self.painter.paint(&mut pass, size);
         }
         if kept {
             encoder.copy_texture_to_texture(target.as_image_copy(), frame.texture.as_image_copy(), target.size());

@@ -12,6 +12,20 @@ use glam::{DMat3, DVec2, DVec3, DVec4};
 
 use crate::math::{Bounds, Camera};
 
+/// The shader.
+const SHADER: &str = concat!(include_str!("encoding.wgsl"), include_str!("viewport.wgsl"));
+/// A texture that is filtered.
+pub const FILTERED: wgpu::BindingType = wgpu::BindingType::Texture {
+    sample_type: wgpu::TextureSampleType::Float { filterable: true },
+    view_dimension: wgpu::TextureViewDimension::D2,
+    multisampled: false,
+};
+
+/// The constants of a shader that draws into a surface of this format.
+pub fn encoding(format: wgpu::TextureFormat) -> [(&'static str, f64); 1] {
+    [("encodes", f64::from(u8::from(format.is_srgb())))]
+}
+
 /// A picture to show.
 pub struct Shown {
     /// Another picture has another one.
@@ -109,7 +123,7 @@ impl Screen {
     pub fn new(device: &wgpu::Device, format: wgpu::TextureFormat) -> Screen {
         let shader = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("viewport"),
-            source: wgpu::ShaderSource::Wgsl(include_str!("viewport.wgsl").into()),
+            source: wgpu::ShaderSource::Wgsl(SHADER.into()),
         });
         let entry = |binding, ty| wgpu::BindGroupLayoutEntry {
             binding,
@@ -120,14 +134,7 @@ impl Screen {
         let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some("viewport"),
             entries: &[
-                entry(
-                    0,
-                    wgpu::BindingType::Texture {
-                        sample_type: wgpu::TextureSampleType::Float { filterable: true },
-                        view_dimension: wgpu::TextureViewDimension::D2,
-                        multisampled: false,
-                    },
-                ),
+                entry(0, FILTERED),
                 entry(
                     1,
                     wgpu::BindingType::Buffer {
@@ -144,7 +151,7 @@ impl Screen {
             bind_group_layouts: &[Some(&layout)],
             immediate_size: 0,
         });
-        let encodes = [("encodes", f64::from(u8::from(format.is_srgb())))];
+        let encodes = encoding(format);
         let pipeline = |show| {
             device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
                 label: Some(show),
@@ -315,7 +322,7 @@ mod tests {
 
     #[test]
     fn the_shader_is_valid_and_its_uniform_is_ours() {
-        let module = naga::front::wgsl::parse_str(include_str!("viewport.wgsl")).unwrap_or_else(|e| panic!("{e}"));
+        let module = naga::front::wgsl::parse_str(SHADER).unwrap_or_else(|e| panic!("{e}"));
         let mut validator = naga::valid::Validator::new(naga::valid::ValidationFlags::all(), Default::default());
         validator.validate(&module).unwrap();
         let sizes = module.types.iter().filter_map(|(_, t)| match &t.inner {

@@ -11,9 +11,6 @@ struct Place {
     checker: f32,
 }
 
-// Whether the surface encodes what is written to it.
-override encodes: bool = false;
-
 @group(0) @binding(0) var picture: texture_2d<f32>;
 @group(0) @binding(1) var<uniform> place: Place;
 @group(0) @binding(2) var linear: sampler;
@@ -27,11 +24,7 @@ fn over_checkerboard(color: vec4f, at: vec2f) -> vec4f {
     let cell = vec2u(at) / 12u;
     let shade = select(0.36, 0.42, ((cell.x + cell.y) & 1u) == 1u);
     let opacity = mix(1.0, color.a, place.checker);
-    let c = mix(vec3f(shade), color.rgb, opacity);
-    if encodes {
-        return vec4f(select(pow((c + 0.055) / 1.055, vec3f(2.4)), c / 12.92, c <= vec3f(0.04045)), 1.0);
-    }
-    return vec4f(c, 1.0);
+    return vec4f(for_surface(mix(vec3f(shade), color.rgb, opacity)), 1.0);
 }
 
 // Pixel for pixel.

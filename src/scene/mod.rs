@@ -22,6 +22,7 @@ mod parametrization;
 mod statistics;
 mod weld;
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use glam::{DMat4, DVec3};
@@ -406,29 +407,29 @@ impl Scene {
             let linear = glam::DMat3::from_mat4(part.world_from_part);
             far > 0.0 && (linear * glam::Vec3::from(vertex).as_dvec3()).length() > far
         };
-        let meshes: std::collections::BTreeSet<usize> =
-            self.parts.iter().filter(lies_far).map(|part| part.mesh).collect();
+        let meshes: BTreeSet<usize> = self.parts.iter().filter(lies_far).map(|part| part.mesh).collect();
+        let mut back: BTreeMap<usize, DMat4> = BTreeMap::new();
         for &mesh in &meshes {
             let center = self.meshes[mesh].bounds().center().as_vec3().as_dvec3();
             for position in self.meshes[mesh].primitives.iter_mut().flat_map(|p| &mut p.positions) {
                 *position = (glam::Vec3::from(*position).as_dvec3() - center).as_vec3().to_array();
             }
-            let back = DMat4::from_translation(center);
-            for node in 0..self.nodes.len() {
-                if self.nodes[node].mesh != Some(mesh) {
-                    continue;
-                }
-                if self.nodes[node].children.is_empty() {
-                    self.nodes[node].parent_from_node *= back;
-                    continue;
-                }
-                let child = self.nodes.len();
-                let name = self.nodes[node].name.clone();
-                let parent = Some(node);
-                self.nodes.push(Node { name, parent, children: Vec::new(), parent_from_node: back, mesh: Some(mesh) });
-                self.nodes[node].mesh = None;
-                self.nodes[node].children.insert(0, child);
+            back.insert(mesh, DMat4::from_translation(center));
+        }
+        for node in 0..self.nodes.len() {
+            let Some((mesh, &back)) = self.nodes[node].mesh.and_then(|mesh| Some((mesh, back.get(&mesh)?))) else {
+                continue;
+            };
+            if self.nodes[node].children.is_empty() {
+                self.nodes[node].parent_from_node *= back;
+                continue;
             }
+            let child = self.nodes.len();
+            let name = self.nodes[node].name.clone();
+            let parent = Some(node);
+            self.nodes.push(Node { name, parent, children: Vec::new(), parent_from_node: back, mesh: Some(mesh) });
+            self.nodes[node].mesh = None;
+            self.nodes[node].children.insert(0, child);
         }
         !meshes.is_empty()
     }

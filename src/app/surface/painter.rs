@@ -7,13 +7,17 @@
 
 use std::collections::HashMap;
 use std::ops::Range;
+use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 use egui::epaint::textures::{TextureFilter, TextureOptions, TextureWrapMode};
 use egui::epaint::{ClippedPrimitive, ImageData, ImageDelta, Mesh, Primitive, Vertex, WHITE_UV};
 use egui::{PaintCallbackInfo, Rect, TextureId};
 
-use crate::app::viewport::{Paint, Screen};
+use crate::app::viewport::{FILTERED, Paint, Screen, encoding};
+
+/// The shader.
+const SHADER: &str = concat!(include_str!("../encoding.wgsl"), include_str!("painter.wgsl"));
 
 /// Vertices and indices for which there is room at first.
 const FIRST_ROOM: u64 = 1 << 16;
@@ -46,7 +50,7 @@ enum Step {
         base: i32,
     },
     /// The picture.
-    Picture(PaintCallbackInfo, usize),
+    Picture(PaintCallbackInfo, Arc<Paint>),
 }
 
 /// Draws egui's shapes.
@@ -69,7 +73,7 @@ impl Painter {
     pub fn new(device: &wgpu::Device, format: wgpu::TextureFormat) -> Painter {
         let shader = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("painter"),
-            source: wgpu::ShaderSource::Wgsl(include_str!("painter.wgsl").into()),
+            source: wgpu::ShaderSource::Wgsl(SHADER.into()),
         });
         let window_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some("painter's window"),
@@ -90,14 +94,9 @@ impl Painter {
             ty,
             count: None,
         };
-        let texture = wgpu::BindingType::Texture {
-            sample_type: wgpu::TextureSampleType::Float { filterable: true },
-            view_dimension: wgpu::TextureViewDimension::D2,
-            multisampled: false,
-        };
         let texture_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some("painter's texture"),
-            entries: &[entry(0, texture), entry(1, wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering))],
+            entries: &[entry(0, FILTERED), entry(1, wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering))],
         });
         let pipeline = |shows: &str, layouts: &[Option<&wgpu::BindGroupLayout>]| {
             let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
@@ -203,7 +202,7 @@ impl Painter {
         self.steps.clear();
         let mut vertices: Vec<Vertex> = Vec::new();
         let mut indices: Vec<u32> = Vec::new();
-        for (number, shape) in shapes.iter().enumerate() {
+        for shape in shapes {
             let scissor = scissor(shape.clip_rect, size, pixels_per_point);
             if scissor[2] == 0 || scissor[3] == 0 {
                 continue;
@@ -223,7 +222,7 @@ impl Painter {
                     indices.extend_from_slice(&mesh.indices);
                 }
                 Primitive::Callback(callback) => {
-                    let Some(paint) = callback.callback.downcast_ref::<Paint>() else {
+                    let Ok(paint) = Arc::clone(&callback.callback).downcast::<Paint>() else {
                         tracing::error!("a paint callback is none of ours");
                         continue;
                     };
@@ -234,7 +233,7 @@ impl Painter {
                         pixels_per_point,
                         screen_size_px: size,
                     };
-                    self.steps.push(Step::Picture(info, number));
+                    self.steps.push(Step::Picture(info, paint));
                 }
             }
         }
@@ -245,7 +244,7 @@ impl Painter {
     }
 
     /// Draws what was uploaded.
-    pub fn paint(&self, pass: &mut wgpu::RenderPass, shapes: &[ClippedPrimitive], size: [u32; 2]) {
+    pub fn paint(&self, pass: &mut wgpu::RenderPass, size: [u32; 2]) {
         // Pictures use other pipelines and leave nothing as it was.
         let mut ready = false;
         let mut last: Option<bool> = None;
@@ -277,13 +276,9 @@ impl Painter {
                     pass.set_scissor_rect(*x, *y, *width, *height);
                     pass.draw_indexed(indices.clone(), *base, 0..1);
                 }
-                Step::Picture(info, number) => {
-                    if let Some(ClippedPrimitive { primitive: Primitive::Callback(callback), .. }) = shapes.get(*number)
-                        && let Some(paint) = callback.callback.downcast_ref::<Paint>()
-                    {
-                        paint.paint(info, pass, &self.screen);
-                        ready = false;
-                    }
+                Step::Picture(info, paint) => {
+                    paint.paint(info, pass, &self.screen);
+                    ready = false;
                 }
             }
         }
@@ -321,7 +316,7 @@ fn pipeline(
     shows: &str,
     format: wgpu::TextureFormat,
 ) -> wgpu::RenderPipeline {
-    let encodes = [("encodes", f64::from(u8::from(format.is_srgb())))];
+    let encodes = encoding(format);
     let over =
         |src_factor, dst_factor| wgpu::BlendComponent { src_factor, dst_factor, operation: wgpu::BlendOperation::Add };
     let blend = wgpu::BlendState {
@@ -465,7 +460,7 @@ mod tests {
             })],
             ..Default::default()
         });
-        painter.paint(&mut pass, shapes, [SIDE, SIDE]);
+        painter.paint(&mut pass, [SIDE, SIDE]);
         drop(pass);
         let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * SIDE), rows_per_image: None };
         let into = wgpu::TexelCopyBufferInfo { buffer: &buffer, layout };
@@ -488,7 +483,7 @@ mod tests {
         let (letters, picture) = (TextureId::default(), TextureId::User(7));
         let image = |size: [usize; 2], color| ColorImage::new(size, vec![color; size[0] * size[1]]);
         let options = TextureOptions::NEAREST;
-        let delta = |image, pos| ImageDelta { image: ImageData::Color(std::sync::Arc::new(image)), options, pos };
+        let delta = |image, pos| ImageDelta { image: ImageData::Color(Arc::new(image)), options, pos };
         let mut painter = Painter::new(&gpu.device, wgpu::TextureFormat::Rgba8Unorm);
         let mut update = |id, delta| painter.update_texture(&gpu.device, &gpu.queue, id, &delta);
         update(letters, delta(image([4, 4], Color32::WHITE), None));

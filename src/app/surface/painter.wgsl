@@ -10,9 +10,6 @@ struct Window {
 @group(1) @binding(0) var image: texture_2d<f32>;
 @group(1) @binding(1) var filtered: sampler;
 
-// Whether the surface encodes what is written to it.
-override encodes: bool = false;
-
 struct Corner {
     @builtin(position) position: vec4f,
     @location(0) color: vec4f,
@@ -29,12 +26,7 @@ fn written(given: vec4f) -> vec4f {
     // No colour is that bright. But llvmpipe draws shaders that do nothing but multiply with 8-bit arithmetic, where the shape of
     // what is drawn allows it, and what is drawn again in part would differ from the whole in the last bit.
     let color = min(given, vec4f(2.0));
-    if encodes {
-        let c = color.rgb;
-        let linear = select(pow((c + 0.055) / 1.055, vec3f(2.4)), c / 12.92, c <= vec3f(0.04045));
-        return vec4f(linear, color.a);
-    }
-    return color;
+    return vec4f(for_surface(color.rgb), color.a);
 }
 
 @fragment
