@@ -5,6 +5,7 @@
 
 use std::sync::Arc;
 
+use egui::text::{LayoutJob, TextWrapping};
 use egui::{
     Align2, Area, Color32, CursorIcon, FontId, Id, Key, Order, Rect, Sense, Stroke, Ui, WidgetInfo, pos2, vec2,
 };
@@ -185,7 +186,14 @@ pub fn divider(ui: &mut Ui, rect: Rect, line: &Divider<'_>) -> f32 {
         let [left, right] = line.words;
         for (word, align, by) in [(left, Align2::RIGHT_TOP, -8.0), (right, Align2::LEFT_TOP, 8.0)] {
             let at = pos2(x, rect.top() + 8.0) + vec2(by, 0.0);
-            let galley = over.layout_no_wrap(word.to_owned(), FontId::proportional(12.5), Color32::WHITE);
+            // What does not fit beside the divider is cut short.
+            let room = if by < 0.0 { x - rect.left() } else { rect.right() - x } - 16.0;
+            let mut job = LayoutJob::simple_singleline(word.to_owned(), FontId::proportional(12.5), Color32::WHITE);
+            job.wrap = TextWrapping::truncate_at_width(room);
+            if room < 12.0 {
+                continue;
+            }
+            let galley = over.layout_job(job);
             let plate = align.anchor_size(at, galley.size());
             over.rect_filled(plate.expand2(vec2(4.0, 2.0)), 3.0, Color32::from_black_alpha(150));
             over.galley(plate.min, galley, Color32::WHITE);

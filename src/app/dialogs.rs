@@ -112,7 +112,11 @@ pub fn choose(
 /// Takes the answer of a dialog.
 pub fn answered(workspace: &mut Workspace, chosen: Chosen) {
     match chosen.path {
-        Some(path) => workspace.asks.push(Ask::Use(chosen.choice, path.to_string_lossy().into_owned())),
+        Some(path) => workspace.asks.push(Ask::Use {
+            choice: chosen.choice,
+            path: path.to_string_lossy().into_owned(),
+            typed: false,
+        }),
         None if chosen.never_there => {
             workspace.layout.prompt = Some(Prompt { choice: chosen.choice, path: chosen.suggestion });
         }
@@ -120,8 +124,8 @@ pub fn answered(workspace: &mut Workspace, chosen: Chosen) {
     }
 }
 
-/// Does with a path what it was chosen for.
-pub fn fulfil(workspace: &mut Workspace, choice: Choice, path: &str) {
+/// Does with a path what it was chosen for. One that was `typed` and could not be written to is asked for again.
+pub fn fulfil(workspace: &mut Workspace, choice: Choice, path: &str, typed: bool) {
     let path = path.trim();
     if path.is_empty() {
         return;
@@ -148,7 +152,13 @@ pub fn fulfil(workspace: &mut Workspace, choice: Choice, path: &str) {
     };
     match written {
         Ok(()) => workspace.say(Gravity::Note, format!("{path} is written.")),
-        Err(reason) => workspace.say(Gravity::Error, format!("{path}: {reason}")),
+        Err(reason) => {
+            workspace.say(Gravity::Error, format!("{path}: {reason}"));
+            // Whoever typed it mends it rather than types it again.
+            if typed {
+                workspace.layout.prompt = Some(Prompt { choice, path: path.to_owned() });
+            }
+        }
     }
 }
 

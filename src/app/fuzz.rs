@@ -190,10 +190,10 @@ impl Desk {
                         if below(&mut self.random, 2) == 0 {
                             self.workspace.layout.prompt = Some(Prompt { choice, path });
                         } else {
-                            dialogs::fulfil(&mut self.workspace, choice, &path);
+                            dialogs::fulfil(&mut self.workspace, choice, &path, false);
                         }
                     }
-                    Ask::Use(choice, path) => dialogs::fulfil(&mut self.workspace, choice, &path),
+                    Ask::Use { choice, path, typed } => dialogs::fulfil(&mut self.workspace, choice, &path, typed),
                     Ask::Export(path) => {
                         if let Ok(job) = exports::Job::of(&self.workspace, &path) {
                             assert!((1..=exports::MOST_FRAMES).contains(&job.count()));

@@ -4,6 +4,7 @@ use super::measure::End;
 use super::pictures::{Picked, Wish};
 use super::workspace::{Gravity, Workspace};
 use crate::math::Camera;
+use crate::render::PickedLayer;
 
 /// Clicks so near to each other are on the same place, pixels.
 const SAME_PLACE: u32 = 2;
@@ -11,6 +12,12 @@ const SAME_PLACE: u32 = 2;
 /// Whether a pixel is where layers were found before, from the same view.
 fn is_same_place(picked: &Picked, pixel: [u32; 2], camera: &Camera) -> bool {
     picked.of == *camera && picked.pixel.iter().zip(pixel).all(|(a, b)| a.abs_diff(b) <= SAME_PLACE)
+}
+
+/// The first layer behind this one that is of another part; behind all of them follows the first.
+fn next_part(layers: &[PickedLayer], at: usize) -> usize {
+    let part = layers.get(at).map(|l| l.part);
+    (at + 1..layers.len()).find(|&i| Some(layers[i].part) != part).unwrap_or(0)
 }
 
 impl Workspace {
@@ -63,7 +70,8 @@ impl Workspace {
         }
     }
 
-    /// Chooses the next layer under this pixel if that is where was clicked before, from the same view.
+    /// Chooses the next part under this pixel, by its nearest layer of those that follow, if that is where was clicked before,
+    /// from the same view.
     pub fn pick_next(&mut self, pixel: [u32; 2], more: bool) -> bool {
         let (Some((picked, at)), Some(document)) = (&self.picked, &self.document) else {
             return false;
@@ -71,7 +79,7 @@ impl Workspace {
         if !is_same_place(picked, pixel, &document.seen.camera) {
             return false;
         }
-        let next = (at + 1) % picked.layers.len();
+        let next = next_part(&picked.layers, *at);
         #[cfg(test)]
         if super::planted::is(super::planted::Fault::PastTheEnd) {
             let _ = &picked.layers[at + 1];

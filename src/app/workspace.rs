@@ -39,8 +39,15 @@ use crate::transfer::{TransferFunction, TransferSource};
 pub enum Ask {
     /// Choose a file in a dialog.
     Choose(Choice),
-    /// Do with this path what it was chosen for.
-    Use(Choice, String),
+    /// Do with a path what it was chosen for.
+    Use {
+        /// What for.
+        choice: Choice,
+        /// Of a file.
+        path: String,
+        /// In the window's own line: asked for again if it is of no use.
+        typed: bool,
+    },
     /// Open this file.
     Open(String),
     /// Stop loading.
@@ -339,7 +346,8 @@ impl Workspace {
         };
         self.end_case();
         self.forget_accuracy();
-        self.messages.retain(|m| m.gravity == Gravity::Error);
+        // What was wrong with another one is over.
+        self.messages.clear();
         let notices: Vec<String> = scene.notices.iter().map(|n| format!("{}: {}", n.kind.name(), n.message)).collect();
         if !notices.is_empty() {
             self.say(Gravity::Notice, notices.join("\n"));

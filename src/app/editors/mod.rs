@@ -27,6 +27,9 @@ use crate::render::LayerHistogram;
 use crate::settings::OpacityModel;
 use crate::transfer::{ColorShape, Format, Interpolation, OpacityShape, TransferFunction, TransferSource, formats};
 
+/// Width of the editors side by side, points, at which all that is above their curves fits.
+const LEAST_WIDTH: f32 = 960.0;
+
 /// What the editors keep for themselves.
 #[derive(Default)]
 pub struct State {
@@ -65,6 +68,15 @@ impl Edit {
 /// Both editors, presets, files.
 pub fn show(ui: &mut Ui, workspace: &mut Workspace) {
     ui.take_available_space();
+    // Where the window is narrower than the three are, they are scrolled to.
+    let width = ui.available_width();
+    egui::ScrollArea::horizontal().auto_shrink(false).show(ui, |ui| {
+        ui.set_width(width.max(LEAST_WIDTH));
+        contents(ui, workspace);
+    });
+}
+
+fn contents(ui: &mut Ui, workspace: &mut Workspace) {
     let Some(resolved) = workspace.transfer() else {
         ui.weak("Transfer functions appear when a model is open.");
         return;
@@ -193,7 +205,7 @@ pub fn title(source: &TransferSource) -> String {
 
 fn toolbar(ui: &mut Ui, workspace: &mut Workspace, function: Option<&TransferFunction>) {
     let mut wanted = None;
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         // As high as the thumbnails, so that words stand in their middle.
         ui.set_min_height(30.0);
         if let Some(document) = &mut workspace.document {

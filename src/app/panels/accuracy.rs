@@ -10,6 +10,9 @@ use crate::tradeoff::budget::Goal;
 use crate::tradeoff::image_error::ImageError;
 use crate::tradeoff::table::figure;
 
+/// Height of the table of passes, points.
+const PASSES: f32 = 150.0;
+
 /// The panel.
 pub fn show(ui: &mut Ui, workspace: &mut Workspace) {
     ui.take_available_width();
@@ -82,7 +85,7 @@ fn picture(ui: &mut Ui, workspace: &Workspace) {
         ui.label(format!("{} ms", plan::milliseconds(report.milliseconds)));
         ui.weak(format!("{} of it in passes", plan::milliseconds(sum)));
     });
-    Grid::new("pass times").num_columns(3).spacing([8.0, 1.0]).show(ui, |ui| {
+    let table = |ui: &mut Ui| {
         for pass in &report.passes {
             cell(ui, pass.pass.name());
             let (rect, _) = ui.allocate_exact_size(vec2(84.0, 9.0), egui::Sense::hover());
@@ -92,7 +95,14 @@ fn picture(ui: &mut Ui, workspace: &Workspace) {
             cell(ui, format!("{} ms", plan::milliseconds(pass.milliseconds)));
             ui.end_row();
         }
-    });
+    };
+    // As high whatever runs: another setting is not to move what is below away from under the pointer.
+    ScrollArea::vertical()
+        .id_salt("passes")
+        .max_height(PASSES)
+        .min_scrolled_height(PASSES)
+        .auto_shrink(false)
+        .show(ui, |ui| Grid::new("pass times").num_columns(3).spacing([8.0, 1.0]).show(ui, table));
 }
 
 /// What is over the picture, and how far the picture is off.
@@ -240,6 +250,11 @@ fn results(ui: &mut Ui, workspace: &mut Workspace) {
         ui,
         format!("At {width}×{height} pixels. A click applies a setting. Filled: nothing is both faster and closer."),
     );
+    let unsure = points.iter().filter(|p| !p.point.sure).count();
+    if unsure > 0 {
+        let each = if unsure == 1 { "1 has" } else { &format!("{unsure} have") };
+        weak(ui, format!("{each} too few frames to tell, and are not among the best: a longer limit gives more."));
+    }
     if current && !points.iter().any(|p| p.is_present) {
         weak(ui, "The present settings are not among those measured.");
     }

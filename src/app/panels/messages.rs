@@ -79,7 +79,7 @@ pub fn prompt(ui: &mut Ui, workspace: &mut Workspace) {
         open = false;
     }
     if done {
-        workspace.asks.push(Ask::Use(prompt.choice, prompt.path.clone()));
+        workspace.asks.push(Ask::Use { choice: prompt.choice, path: prompt.path.clone(), typed: true });
     }
     if done || !open {
         workspace.layout.prompt = None;
@@ -121,7 +121,9 @@ fn said(ui: &mut Ui, picture: Rect, workspace: &mut Workspace) {
                 }
             });
         }
-        if let Some(i) = done {
+        if workspace.messages.len() > 1 && ui.small_button("Dismiss all").clicked() {
+            workspace.messages.clear();
+        } else if let Some(i) = done {
             workspace.messages.remove(i);
         }
     });

@@ -12,6 +12,7 @@ pub mod plan;
 pub mod planes;
 #[cfg(test)]
 mod planes_tests;
+pub mod room;
 pub mod sections;
 pub mod selection;
 #[cfg(test)]
@@ -31,21 +32,23 @@ use super::accuracy::overlay::{self, Overlay};
 use super::viewport::{self, Paint};
 use super::workspace::{Viewport, Workspace};
 use super::{compare, editors};
+use room::Room;
 
 /// Everything, from the outside in.
 pub fn show(ui: &mut Ui, workspace: &mut Workspace) {
     Panel::top("menu").show(ui, |ui| menu::show(ui, workspace));
-    Panel::bottom("status").show(ui, |ui| status::show(ui, workspace));
-    if workspace.preferences.editors {
-        let panel = Panel::bottom("editors").resizable(true).default_size(232.0).size_range(150.0..=520.0);
-        panel.show(ui, |ui| editors::show(ui, workspace));
+    let room = Room::of(ui.available_size(), &workspace.preferences);
+    Panel::bottom("status").show(ui, |ui| status::show(ui, workspace, &room));
+    if let Some(size) = room.editors {
+        size.panel(Panel::bottom(size.id("editors"))).show(ui, |ui| editors::show(ui, workspace));
     }
-    if workspace.preferences.accuracy {
-        Panel::right("accuracy").default_size(344.0).size_range(300.0..=760.0).show(ui, |ui| {
+    if let Some(size) = room.accuracy {
+        size.panel(Panel::right(size.id("accuracy"))).show(ui, |ui| {
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| accuracy::show(ui, workspace));
         });
-    } else if workspace.preferences.stages {
-        Panel::right("stages").default_size(316.0).size_range(240.0..=520.0).show(ui, |ui| {
+    }
+    if let Some(size) = room.stages {
+        size.panel(Panel::right(size.id("stages"))).show(ui, |ui| {
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
                 stages::show(ui, workspace);
                 sections::show(ui, workspace);
@@ -53,8 +56,9 @@ pub fn show(ui: &mut Ui, workspace: &mut Workspace) {
             });
         });
     }
-    if workspace.preferences.parts {
-        Panel::left("parts").default_size(244.0).size_range(140.0..=520.0).show(ui, |ui| parts::show(ui, workspace));
+    // The right may have been drawn wider.
+    if let Some(size) = room.parts.and_then(|_| room::parts(ui.available_width())) {
+        size.panel(Panel::left(size.id("parts"))).show(ui, |ui| parts::show(ui, workspace));
     }
     CentralPanel::default().frame(Frame::NONE).show(ui, |ui| picture(ui, workspace));
     messages::prompt(ui, workspace);

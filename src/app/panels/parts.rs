@@ -12,6 +12,11 @@ use crate::app::panels::selection;
 use crate::app::workspace::Workspace;
 use crate::scene::{Arrangement, PartLook, Presence, Scene};
 
+/// What the tree and what is above it keep of the panel's height, points, before the selection takes the rest.
+const LEAST_TREE: f32 = 130.0;
+/// What is left for the selection even so.
+const LEAST_SELECTION: f32 = 60.0;
+
 /// A node of the tree that has parts at or below it.
 #[derive(Clone, Debug, PartialEq)]
 struct Row {
@@ -115,7 +120,23 @@ pub fn show(ui: &mut Ui, workspace: &mut Workspace) {
     // Else the panel shrinks to what is in it.
     ui.take_available_width();
     if workspace.document.is_some() {
-        egui::Panel::bottom("selection").frame(egui::Frame::NONE).show(ui, |ui| selection::show(ui, workspace));
+        // Where there is little room, the tree keeps some, and the rest can be scrolled.
+        let most = (ui.available_height() - LEAST_TREE).max(LEAST_SELECTION);
+        let id = ui.scope_id().with("selection is scrolled");
+        let scrolls = ui.data(|d| d.get_temp::<bool>(id)).unwrap_or_default();
+        let panel = egui::Panel::bottom("selection").frame(egui::Frame::NONE);
+        // An area that scrolls is as high as it may be, so it is one only where what is in it is higher.
+        let is_higher = if scrolls {
+            let area = ScrollArea::vertical().id_salt("selection").auto_shrink(false);
+            let inside = panel.exact_size(most).show(ui, |ui| area.show(ui, |ui| selection::show(ui, workspace)));
+            inside.inner.content_size.y + 8.0 > most
+        } else {
+            panel.show(ui, |ui| selection::show(ui, workspace)).response.rect.height() > most
+        };
+        if is_higher != scrolls {
+            ui.data_mut(|d| d.insert_temp(id, is_higher));
+            ui.ctx().request_discard("the selection has another height");
+        }
     }
     let Some(document) = &workspace.document else {
         ui.weak("No parts.");
@@ -144,7 +165,8 @@ pub fn show(ui: &mut Ui, workspace: &mut Workspace) {
     let searched = workspace.layout.search.trim().to_owned();
     let visible = tree.visible(&searched);
     let height = ui.spacing().interact_size.y;
-    let below = if workspace.picked.is_some() { ui.available_height() * 0.35 } else { 0.0 };
+    let room = ui.available_height();
+    let below = if workspace.picked.is_some() && room > LEAST_TREE { room * 0.35 } else { 0.0 };
     ScrollArea::both().max_height(ui.available_height() - below).auto_shrink(false).show_rows(
         ui,
         height,

@@ -1,18 +1,20 @@
 //! The line at the bottom: what kind of picture is shown, what is in it, how long it took, on what.
 
-use egui::{Color32, RichText, Ui};
+use egui::{Color32, Label, RichText, Ui};
 
+use super::room::Room;
 use crate::app::pictures::Kind;
 use crate::app::workspace::Workspace;
 use crate::plan::Capture;
 use crate::render::FrameReport;
 
 /// The status line.
-pub fn show(ui: &mut Ui, workspace: &Workspace) {
+pub fn show(ui: &mut Ui, workspace: &Workspace, room: &Room) {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 14.0;
         let Some(screen) = &workspace.screen else {
             ui.weak(if workspace.document.is_some() { "starting the renderer" } else { "no model" });
+            right(ui, workspace, room);
             return;
         };
         let [width, height] = screen.size;
@@ -34,11 +36,22 @@ pub fn show(ui: &mut Ui, workspace: &Workspace) {
         {
             layers(ui, report);
         }
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            if let Some(adapter) = &workspace.adapter {
-                ui.weak(adapter);
-            }
-        });
+        right(ui, workspace, room);
+    });
+}
+
+/// What draws, and which panels are missing.
+fn right(ui: &mut Ui, workspace: &Workspace, room: &Room) {
+    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+        let out = room.left_out(&workspace.preferences);
+        if !out.is_empty() {
+            let text = RichText::new(format!("no room: {}", out.join(", "))).weak();
+            let help = "The picture keeps some of a small window. They are back when it is larger.";
+            ui.add(Label::new(text).truncate()).on_hover_text(help);
+        }
+        if let Some(adapter) = &workspace.adapter {
+            ui.add(Label::new(RichText::new(adapter).weak()).truncate());
+        }
     });
 }
 
@@ -48,7 +61,14 @@ pub fn layers(ui: &mut Ui, report: &FrameReport) {
     if report.plan.capture != Capture::None {
         ui.label(format!("{} layers stored", grouped(layers.stored)));
         ui.label(format!("{} merged", grouped(layers.merged)));
-        ui.label(format!("{} dropped", grouped(layers.dropped)));
+        let dropped = format!("{} dropped", grouped(layers.dropped));
+        if layers.dropped > 0 {
+            let help = "Farther layers than the capture has room for. The picture is what these settings give, exactly; \
+                        `compacted` or a larger k shows them.";
+            ui.colored_label(ui.visuals().warn_fg_color, dropped).on_hover_text(help);
+        } else {
+            ui.label(dropped);
+        }
     }
     if layers.lost > 0 {
         ui.colored_label(ui.visuals().error_fg_color, format!("{} LOST", grouped(layers.lost)));

@@ -3,7 +3,8 @@
 //! Two threads, each with a device of its own, so that neither waits in the other's queue, nor the window's frames in theirs.
 //! Each has room for one order; the newest replaces the one before, so no queue builds up. While things move, previews are
 //! drawn one after the other, each of what is newest when it begins, as coarse as [`pace`] finds needed to stay within
-//! the target; on a software rasterizer of fewer triangles too ([`simplify`]). The exact picture is the very one of
+//! the target; on a software rasterizer of fewer triangles too ([`simplify`]), except where only opacity and light change and
+//! the layers of the model itself could be captured while nothing moved. The exact picture is the very one of
 //! `pellucid render`. It begins when nothing has moved for [`STILL`], and is abandoned, between passes, as soon as something
 //! does. Where exact pictures are as fast as previews have to be, there are no previews.
 //!
@@ -339,6 +340,9 @@ impl Pictures {
                 && p.kind == Kind::Exact
             {
                 self.exact_time = Some((p.scene_number, p.milliseconds));
+                if let Some(order) = self.asked.as_ref().filter(|o| o.number == p.number && p.milliseconds > TARGET) {
+                    self.preview.draw_ahead(Order { change: Change::Light, ..order.clone() });
+                }
             }
         }
         all

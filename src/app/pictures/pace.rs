@@ -127,22 +127,38 @@ impl Pace {
         // A single slow picture (a shader compiled, another program at work) counts half.
         let smoothed = self.milliseconds.map_or(milliseconds, |m| 0.5 * (m + milliseconds));
         self.milliseconds = Some(smoothed);
-        let pixels = |step: usize| 1.0 / (DIVISORS[step] * DIVISORS[step]);
-        let fits = (0..DIVISORS.len()).find(|&step| {
-            let more = pixels(step) / pixels(self.step);
-            if step < self.step {
-                smoothed * more <= self.target * self.margin
-            } else {
-                smoothed * (FIXED + (1.0 - FIXED) * more) <= self.target
-            }
-        });
-        let next = fits.unwrap_or(DIVISORS.len() - 1);
-        // Finer by one step at a time: it is seen.
-        let next = next.max(self.step.saturating_sub(1));
+        let next = self.fitting(smoothed);
         self.fast = if next < self.step { self.fast + 1 } else { 0 };
         if next > self.step || self.fast >= self.patience {
             *self = Pace { milliseconds: None, step: next, fast: 0, ..*self };
         }
+    }
+
+    /// The step that a picture fits that takes so long at this one.
+    fn fitting(&self, milliseconds: f64) -> usize {
+        let pixels = |step: usize| 1.0 / (DIVISORS[step] * DIVISORS[step]);
+        let fits = (0..DIVISORS.len()).find(|&step| {
+            let more = pixels(step) / pixels(self.step);
+            if step < self.step {
+                milliseconds * more <= self.target * self.margin
+            } else {
+                milliseconds * (FIXED + (1.0 - FIXED) * more) <= self.target
+            }
+        });
+        // Finer by one step at a time: it is seen.
+        fits.unwrap_or(DIVISORS.len() - 1).max(self.step.saturating_sub(1))
+    }
+
+    /// Takes the time of a picture into account that was drawn for no other reason, at once: nobody waits. Says whether the next
+    /// one has another size; a finer one only where that is allowed.
+    pub fn rehearsed(&mut self, milliseconds: f64, may_refine: bool) -> bool {
+        let fitting = if milliseconds.is_finite() { self.fitting(milliseconds) } else { self.step };
+        let next = if may_refine { fitting } else { fitting.max(self.step) };
+        let changes = next != self.step;
+        if changes {
+            *self = Pace { milliseconds: None, step: next, fast: 0, ..*self };
+        }
+        changes
     }
 
     /// Forgets what was measured: another model.
@@ -204,6 +220,27 @@ mod tests {
         paces.restart();
         assert_eq!(paces.of(Change::Whole).divisor(), DIVISORS[FIRST]);
         assert_eq!(paces.of(Change::Whole).target, 20.0);
+    }
+
+    #[test]
+    fn a_rehearsal_ends_at_a_size_that_fits() {
+        for (fixed, full) in [(0.0, 30.0), (10.0, 1000.0), (12.0, 4000.0), (200.0, 10.0)] {
+            let mut pace = Pace { margin: MARGIN_LIGHT, patience: PATIENCE_LIGHT, ..Pace::new(24.0) };
+            let time = |p: &Pace| fixed + full / (p.divisor() * p.divisor());
+            let (mut may_refine, mut times) = (true, 0);
+            loop {
+                let before = pace.divisor();
+                if !pace.rehearsed(time(&pace), may_refine) {
+                    break;
+                }
+                may_refine &= pace.divisor() < before;
+                times += 1;
+                assert!(times < 8, "{fixed} {full}");
+            }
+            let last = DIVISORS[DIVISORS.len() - 1];
+            assert!(time(&pace) <= 24.0 || pace.divisor() == last, "{fixed} {full}: {}", pace.divisor());
+            assert!(!pace.rehearsed(f64::NAN, true));
+        }
     }
 
     #[test]

@@ -25,6 +25,12 @@ mod tests;
 
 /// Triangles of a preview on a software rasterizer.
 const SOFTWARE_TRIANGLES: u64 = 8_000;
+/// Triangles of a model that is drawn ahead there, at most: whoever moves it meanwhile waits for a pass over all of them.
+const MOST_AHEAD: u64 = 1_000_000;
+/// Pictures that are drawn ahead at most, until their size is found.
+const REHEARSALS: usize = 12;
+/// How long a preview may take to capture the model again that was drawn ahead, milliseconds.
+const LONGEST_AGAIN: f64 = 250.0;
 /// How long the next preview waits for the window to show the last one, at most.
 const LONGEST_SHOWING: Duration = Duration::from_millis(80);
 
@@ -34,8 +40,12 @@ struct Slot {
     pick: Option<PickOrder>,
     /// For when there is nothing else.
     hover: Option<PickOrder>,
-    /// Something is being drawn.
+    /// The same, of what is shown.
+    ahead: Option<Order>,
+    /// Something is being drawn that will be shown.
     at_work: bool,
+    /// Something is being drawn ahead.
+    ahead_at_work: bool,
     /// The window is showing the last preview: until then the next one waits.
     shut_until: Option<Instant>,
     closed: bool,
@@ -83,6 +93,10 @@ impl Worker {
             while let Some(work) = theirs.next() {
                 let there = match work {
                     Work::Pick(order) => studio.pick(&order).is_none_or(&deliver),
+                    Work::Ahead(order) => {
+                        studio.draw_ahead(&order);
+                        true
+                    }
                     Work::Draw(order) => match studio.fill(&order) {
                         None => {
                             theirs.take_back(*order);
@@ -117,8 +131,9 @@ impl Worker {
         if let Some(passed_over) = &slot.order {
             order.change = order.change.and(passed_over.change);
         }
-        self.desk.cancel.store(self.kind == Kind::Exact, Ordering::Relaxed);
+        self.desk.cancel.store(self.kind == Kind::Exact || slot.ahead_at_work, Ordering::Relaxed);
         slot.order = Some(order);
+        slot.ahead = None;
         self.desk.posted.notify_one();
     }
 
@@ -148,6 +163,16 @@ impl Worker {
         self.desk.posted.notify_one();
     }
 
+    /// Draws this, which is shown exactly by now, for the sake of its layers: previews of other light will be of the model
+    /// itself and not of a simpler one. It is given up for anything that is ordered.
+    pub fn draw_ahead(&self, order: Order) {
+        let mut slot = lock(&self.desk.slot);
+        if slot.order.is_none() {
+            slot.ahead = Some(order);
+            self.desk.posted.notify_one();
+        }
+    }
+
     /// Nothing is hovered over any more.
     pub fn stop_hovering(&self) {
         lock(&self.desk.slot).hover = None;
@@ -159,6 +184,7 @@ impl Worker {
         slot.order = None;
         slot.pick = None;
         slot.hover = None;
+        slot.ahead = None;
         self.desk.cancel.store(true, Ordering::Relaxed);
     }
 }
@@ -196,6 +222,13 @@ impl Desk {
                 self.cancel.store(false, Ordering::Relaxed);
                 return Some(Work::Pick(Box::new(hover)));
             }
+            if slot.order.is_none()
+                && let Some(ahead) = slot.ahead.take()
+            {
+                self.cancel.store(false, Ordering::Relaxed);
+                slot.ahead_at_work = true;
+                return Some(Work::Ahead(Box::new(ahead)));
+            }
             let begin = slot.order.as_ref().map(|o| slot.shut_until.map_or(o.not_before, |at| at.max(o.not_before)));
             let wait = begin.map(|at| at.saturating_duration_since(Instant::now()));
             slot = match wait {
@@ -222,7 +255,8 @@ impl Desk {
 
     /// Nothing is being drawn.
     fn rest(&self) {
-        lock(&self.slot).at_work = false;
+        let mut slot = lock(&self.slot);
+        (slot.at_work, slot.ahead_at_work) = (false, false);
     }
 
     /// Waits whether there is nothing newer to do for so long.
@@ -260,6 +294,7 @@ impl Desk {
 enum Work {
     Draw(Box<Order>),
     Pick(Box<PickOrder>),
+    Ahead(Box<Order>),
 }
 
 /// A device with a scene on it.
@@ -267,6 +302,10 @@ struct Bench {
     renderer: Renderer,
     software: bool,
     scene: Option<Uploaded>,
+    /// The model itself, where the scene is a simpler one and something was drawn ahead.
+    model: Option<Uploaded>,
+    /// Set while the layers that the renderer keeps are those of what was drawn ahead.
+    ahead: Option<Ahead>,
     /// The capture whose sorts are compiled for lists of any length.
     warm: Option<Capture>,
 }
@@ -278,6 +317,49 @@ struct Uploaded {
     source: Arc<Scene>,
     scene: GpuScene,
     arrangement: Arrangement,
+}
+
+impl Uploaded {
+    fn new(renderer: &mut Renderer, source: &Arc<Scene>, number: u64) -> Result<Uploaded, RenderError> {
+        let scene = renderer.load(source)?;
+        Ok(Uploaded { number, source: Arc::clone(source), scene, arrangement: Arrangement::default() })
+    }
+
+    fn arrange(&mut self, renderer: &mut Renderer, arrangement: &Arrangement) -> Result<(), RenderError> {
+        if self.arrangement != *arrangement {
+            renderer.arrange(&mut self.scene, &self.source, arrangement)?;
+            self.arrangement = arrangement.clone();
+        }
+        Ok(())
+    }
+}
+
+/// How something was drawn ahead.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Ahead {
+    /// Width and height.
+    size: [u32; 2],
+    /// What its capture took, and all else.
+    milliseconds: f64,
+}
+
+impl Ahead {
+    /// What becomes of it where previews are to have the size `paced`. Finer ones wait for the next time, because another size
+    /// captures all anew; coarser ones are needed now.
+    fn at(self, paced: [u32; 2]) -> Option<Ahead> {
+        let coarser = paced[0] < self.size[0] || paced[1] < self.size[1];
+        match coarser {
+            false => Some(self),
+            true => (self.milliseconds <= LONGEST_AGAIN).then_some(Ahead { size: paced, ..self }),
+        }
+    }
+}
+
+impl Bench {
+    /// What the renderer keeps layers of.
+    fn drawn(&self) -> Option<&Uploaded> {
+        self.ahead.and(self.model.as_ref()).or(self.scene.as_ref())
+    }
 }
 
 /// What lives on the thread.
@@ -339,12 +421,13 @@ impl Studio {
         let idle = |kind| if kind == Kind::Preview { desk.stays_idle(STILL) } else { desk.is_idle() };
         if order.extras.counts
             && idle(self.kind)
-            && let Some(Bench { renderer, scene: Some(uploaded), .. }) = &self.bench
+            && let Some(bench) = &self.bench
+            && let Some(uploaded) = bench.drawn()
         {
             let begin = Instant::now();
             // Pixels of a moment ago are worth no fault: the next picture will say what is wrong.
             let counted = catch_unwind(AssertUnwindSafe(|| {
-                renderer.layer_histogram(report, &uploaded.scene, &order.seen.camera).ok().flatten()
+                bench.renderer.layer_histogram(report, &uploaded.scene, &order.seen.camera).ok().flatten()
             }));
             if let Ok(Some(mut counts)) = counted {
                 counts.serial = 2 * order.number + u64::from(self.kind == Kind::Exact);
@@ -443,30 +526,97 @@ impl Studio {
                 // Of passes at once no times are known there.
                 renderer.timing = Timing::Off;
             }
-            self.bench = Some(Bench { renderer, software, scene: None, warm: None });
+            self.bench = Some(Bench { renderer, software, scene: None, model: None, ahead: None, warm: None });
         }
         let Some(bench) = &mut self.bench else {
             return Err(RenderError::Cancelled);
         };
         if bench.scene.as_ref().is_none_or(|s| s.number != number) {
-            bench.scene = None;
+            (bench.scene, bench.model, bench.ahead) = (None, None, None);
             let coarse = if self.kind == Kind::Preview && bench.software {
                 simplified(scene, SOFTWARE_TRIANGLES).map(Arc::new)
             } else {
                 None
             };
             let source = coarse.unwrap_or_else(|| Arc::clone(scene));
-            let scene = bench.renderer.load(&source)?;
-            bench.scene = Some(Uploaded { number, source, scene, arrangement: Arrangement::default() });
+            bench.scene = Some(Uploaded::new(&mut bench.renderer, &source, number)?);
             lock(&self.pace).restart();
         }
-        if let Some(uploaded) = &mut bench.scene
-            && uploaded.arrangement != *arrangement
-        {
-            bench.renderer.arrange(&mut uploaded.scene, &uploaded.source, arrangement)?;
-            uploaded.arrangement = arrangement.clone();
+        if let Some(uploaded) = &mut bench.scene {
+            uploaded.arrange(&mut bench.renderer, arrangement)?;
         }
         Ok(bench)
+    }
+
+    /// Draws an order for nothing but the layers, which previews of other light will keep. What fails is left to the exact
+    /// picture to say.
+    fn draw_ahead(&mut self, order: &Order) {
+        match catch_unwind(AssertUnwindSafe(|| self.try_ahead(order))) {
+            Ok(Ok(()) | Err(RenderError::Cancelled)) => {}
+            Ok(Err(error)) => {
+                tracing::debug!("nothing is drawn ahead: {error}");
+                if matches!(error, RenderError::Gpu(_)) {
+                    self.bench = None;
+                }
+            }
+            Err(_) => self.bench = None,
+        }
+    }
+
+    fn try_ahead(&mut self, order: &Order) -> Result<(), RenderError> {
+        let pace = Arc::clone(&self.pace);
+        self.prepare(&order.scene, order.scene_number, &order.seen.arrangement)?;
+        self.take_shaders(&order.extras.shaders);
+        let bench = self.prepare(&order.scene, order.scene_number, &order.seen.arrangement)?;
+        bench.ahead = None;
+        let is_simpler = bench.scene.as_ref().is_none_or(|s| !Arc::ptr_eq(&s.source, &order.scene));
+        if is_simpler {
+            if order.scene.triangle_count() > MOST_AHEAD {
+                return Ok(());
+            }
+            let model = match bench.model.take() {
+                Some(model) => bench.model.insert(model),
+                None => bench.model.insert(Uploaded::new(&mut bench.renderer, &order.scene, order.scene_number)?),
+            };
+            model.arrange(&mut bench.renderer, &order.seen.arrangement)?;
+        }
+        let Some(Uploaded { scene, .. }) = bench.model.as_ref().or(bench.scene.as_ref()) else {
+            return Ok(());
+        };
+        let mut captured: Option<Ahead> = None;
+        // The fastest of several pictures of a size, so far: other threads may be at work beside the first.
+        let mut fastest: Option<f64> = None;
+        let mut may_refine = true;
+        // Rehearsed until the size is one that will do: a hand that drags is not to wait for another capture.
+        for _ in 0..REHEARSALS {
+            let begin = Instant::now();
+            let size = lock(&pace).of(Change::Light).size(order.size);
+            let settings = lowered(&order.seen.settings, divisor(order.size, size));
+            let frame = match &order.extras.transfer {
+                Some(transfer) => bench.renderer.render_with(scene, &order.seen.camera, &settings, transfer, size)?,
+                None => bench.renderer.render(scene, &order.seen.camera, &settings, size)?,
+            };
+            let milliseconds = begin.elapsed().as_secs_f64() * 1e3;
+            let kept = frame.report.kept;
+            tracing::debug!("ahead {}: {size:?} in {milliseconds:.1} ms, kept: {kept:?}", order.number);
+            if kept != Kept::Features {
+                (captured, fastest) = (Some(Ahead { size, milliseconds }), None);
+                continue;
+            }
+            let Some(before) = fastest else {
+                fastest = Some(milliseconds);
+                continue;
+            };
+            let mut pace = lock(&pace);
+            let pace = pace.of(Change::Light);
+            let divisor = pace.divisor();
+            if !pace.rehearsed(before.min(milliseconds), may_refine) {
+                break;
+            }
+            may_refine &= pace.divisor() < divisor;
+        }
+        bench.ahead = captured;
+        Ok(())
     }
 
     /// The layers under a pixel. What fails is said, and nothing is picked. A device that failed is given up and another one
@@ -510,22 +660,26 @@ impl Studio {
         self.prepare(&order.scene, order.scene_number, &order.seen.arrangement)?;
         self.take_shaders(&order.extras.shaders);
         let bench = self.prepare(&order.scene, order.scene_number, &order.seen.arrangement)?;
-        let Some(Uploaded { scene, .. }) = &bench.scene else {
-            return Err(RenderError::Cancelled);
-        };
         let begin = Instant::now();
-        let (settings, size) = match kind {
-            Kind::Exact => (order.seen.settings.clone(), order.size),
+        // Whatever else is drawn, its layers are kept no longer.
+        let ahead = bench.ahead.take();
+        let (settings, size, ahead, is_paced) = match kind {
+            Kind::Exact => (order.seen.settings.clone(), order.size, None, false),
             Kind::Preview => {
-                let size = lock(&pace).of(order.change).size(order.size);
-                let divisor = f64::from(order.size[1].max(1)) / f64::from(size[1]);
-                (lowered(&order.seen.settings, divisor), size)
+                let paced = lock(&pace).of(order.change).size(order.size);
+                let ahead = ahead.filter(|_| order.change == Change::Light).and_then(|a| a.at(paced));
+                let size = ahead.map_or(paced, |a| a.size);
+                (lowered(&order.seen.settings, divisor(order.size, size)), size, ahead, size == paced)
             }
+        };
+        let Some(Uploaded { scene, .. }) = ahead.and(bench.model.as_ref()).or(bench.scene.as_ref()) else {
+            return Err(RenderError::Cancelled);
         };
         let frame = match &order.extras.transfer {
             Some(transfer) => bench.renderer.render_with(scene, &order.seen.camera, &settings, transfer, size)?,
             None => bench.renderer.render(scene, &order.seen.camera, &settings, size)?,
         };
+        bench.ahead = ahead;
         let background = parse_background(&settings.image.background).unwrap_or_default();
         let rgba = rgba8(&frame.image, background);
         let milliseconds = begin.elapsed().as_secs_f64() * 1e3;
@@ -533,7 +687,7 @@ impl Studio {
         tracing::debug!("{} {}: {size:?} in {milliseconds:.1} ms, kept: {kept:?}", kind.name(), order.number);
         // A part of a frame says nothing about how long a whole one takes, nor a whole one about a part.
         let expected = if order.change == Change::Light { Kept::Features } else { Kept::Nothing };
-        if kind == Kind::Preview && kept == expected {
+        if is_paced && kept == expected {
             lock(&pace).of(order.change).measured(milliseconds);
         }
         Ok(Picture {
@@ -551,4 +705,9 @@ impl Studio {
             seen: order.seen.clone(),
         })
     }
+}
+
+/// By how much a preview of this size is coarser than the viewport.
+fn divisor(viewport: [u32; 2], size: [u32; 2]) -> f64 {
+    f64::from(viewport[1].max(1)) / f64::from(size[1].max(1))
 }

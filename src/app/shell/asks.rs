@@ -67,8 +67,8 @@ impl Shell {
                         let _ = proxy.send_event(Event::Chosen(chosen));
                     });
                 }
-                Ask::Use(choice, path) => {
-                    dialogs::fulfil(&mut self.workspace, choice, &path);
+                Ask::Use { choice, path, typed } => {
+                    dialogs::fulfil(&mut self.workspace, choice, &path, typed);
                     // It may have asked for something in turn.
                     self.fulfil(event_loop);
                 }

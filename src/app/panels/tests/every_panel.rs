@@ -6,6 +6,7 @@ use egui_kittest::kittest::NodeT;
 use super::*;
 use crate::app::camera::Habits;
 use crate::app::config::Theme;
+use crate::app::dialogs;
 use crate::app::exports::Form;
 use crate::app::models;
 use crate::app::pictures::Kind;
@@ -177,6 +178,99 @@ fn messages_tell_how_far_loading_is_and_let_it_be_called_off() {
 }
 
 #[test]
+fn a_path_that_is_of_no_use_is_asked_for_again() {
+    let mut window = harness(workspace("stack"));
+    window.state_mut().layout.prompt = Some(Prompt { choice: Choice::SaveSession, path: String::new() });
+    window.run();
+    type_into(&mut window, "Path", "/no/such/folder/a.toml");
+    click(&mut window, "Save");
+    let Some(Ask::Use { choice, path, typed }) = window.state_mut().asks.pop() else {
+        panic!("nothing was asked for");
+    };
+    dialogs::fulfil(window.state_mut(), choice, &path, typed);
+    let kept = Prompt { choice: Choice::SaveSession, path: "/no/such/folder/a.toml".to_owned() };
+    assert_eq!(window.state().layout.prompt, Some(kept));
+    // The desktop's dialog has let its path go; it is not replaced by a line to type into.
+    window.state_mut().layout.prompt = None;
+    dialogs::fulfil(window.state_mut(), choice, &path, false);
+    assert_eq!(window.state().layout.prompt, None);
+}
+
+#[test]
+fn messages_are_dismissed_one_by_one_or_all() {
+    let mut window = harness(workspace("stack"));
+    for text in ["a", "b", "c"] {
+        window.state_mut().say(Gravity::Error, text);
+    }
+    window.run();
+    click(&mut window, "Dismiss all");
+    assert!(window.state().messages.is_empty());
+}
+
+#[test]
+fn clicks_on_one_place_go_through_the_parts_there() {
+    let mut stack = workspace("stack");
+    let at = glam::DVec3::ZERO;
+    let layers = [(0, at), (0, at), (1, at), (0, at), (2, at), (2, at)];
+    stack.take_picked(picked(&stack, Wish::Select { more: false }, &layers));
+    let mut found = Vec::new();
+    for _ in 0..5 {
+        let arrangement = &stack.document.as_ref().unwrap().seen.arrangement;
+        found.push((arrangement.selected.iter().copied().collect::<Vec<_>>(), stack.picked.as_ref().unwrap().1));
+        assert!(stack.pick_next([60, 60], false));
+    }
+    let expected = [(0, 0), (1, 2), (0, 3), (2, 4), (0, 0)].map(|(part, layer)| (vec![part], layer));
+    assert_eq!(found, expected);
+}
+
+fn sized(size: egui::Vec2, workspace: Workspace) -> Window {
+    let show = |ui: &mut egui::Ui, workspace: &mut Workspace| panels::show(ui, workspace);
+    let mut window = Harness::builder().with_size(size).build_ui_state(show, workspace);
+    crate::app::panels::style::set_up(&window.ctx);
+    window.run();
+    window
+}
+
+#[test]
+fn a_small_window_keeps_its_picture_and_says_what_it_left_out() {
+    let mut window = sized(egui::vec2(1280.0, 800.0), workspace("stack"));
+    let picture = |w: &Window| w.state().viewport.size.map(|n| n as f32);
+    let before = picture(&window);
+    assert!(window.query_by_label_contains("no room").is_none());
+    window.set_size(egui::vec2(380.0, 300.0));
+    window.run();
+    window.get_by_label("no room: parts, stages, editors");
+    assert!(picture(&window)[0] > 350.0 && picture(&window)[1] > 200.0, "{:?}", picture(&window));
+    window.set_size(egui::vec2(640.0, 480.0));
+    window.run();
+    window.get_by_label("no room: parts");
+    assert!(picture(&window)[0] >= panels::room::LEAST_PICTURE.x, "{:?}", picture(&window));
+    // All of it is back, as large as it was.
+    window.set_size(egui::vec2(1280.0, 800.0));
+    window.run();
+    window.run();
+    assert_eq!(picture(&window), before);
+}
+
+#[test]
+fn in_a_low_window_the_parts_lie_on_nothing_else() {
+    let mut chosen = workspace("stack");
+    chosen.document.as_mut().unwrap().seen.arrangement.selected = [1].into();
+    let found = picked(&chosen, Wish::Select { more: false }, &[(1, glam::DVec3::ZERO), (2, glam::DVec3::ZERO)]);
+    chosen.take_picked(found);
+    // What 1280×800 leaves at one and a half times the size.
+    let window = sized(egui::vec2(853.0, 533.0), chosen);
+    let rect = |label: &str| window.get_by_label(label).rect();
+    let (search, explode) = (rect("Search parts"), window.get_all_by_label("Explode").next().unwrap().rect());
+    assert!(search.bottom() + 40.0 < explode.top(), "{search:?} {explode:?}");
+    let row = window.get_all_by_role(Role::Button).filter(|n| {
+        let rect = n.rect();
+        rect.left() < 200.0 && rect.top() > search.bottom() && rect.bottom() < explode.top()
+    });
+    assert!(row.count() > 0, "the tree has a row");
+}
+
+#[test]
 fn messages_ask_for_a_path_where_there_is_no_dialog() {
     for (choice, word) in [(Choice::SaveSession, "Save"), (Choice::Open, "Open"), (Choice::ImportTransfer, "Import")] {
         let mut window = harness(workspace("stack"));
@@ -184,7 +278,7 @@ fn messages_ask_for_a_path_where_there_is_no_dialog() {
         window.run();
         type_into(&mut window, "Path", "/tmp/new.toml");
         click(&mut window, word);
-        assert_eq!(window.state().asks, [Ask::Use(choice, "/tmp/new.toml".to_owned())]);
+        assert_eq!(window.state().asks, [Ask::Use { choice, path: "/tmp/new.toml".to_owned(), typed: true }]);
         assert!(window.state().layout.prompt.is_none());
     }
 }

@@ -80,3 +80,58 @@ fn what_lies_under_a_pixel_is_found_after_a_loss() {
     lose(&studio);
     assert_eq!(picked(studio.pick(&pick_order())).layers, first.layers);
 }
+
+/// Of a model that is too much for previews, as it is.
+fn heavy_order(number: u64, change: Change) -> Order {
+    let scene = Arc::new(builtin::build("gearbox").unwrap());
+    assert!(scene.triangle_count() > SOFTWARE_TRIANGLES && scene.triangle_count() <= MOST_AHEAD);
+    let camera = camera::first(&scene.bounds(), 1.5);
+    let seen = Seen { settings: Settings::default(), camera, arrangement: Arrangement::default() };
+    Order { scene, seen, size: [192, 128], change, ..order(number) }
+}
+
+#[test]
+fn where_only_light_changes_previews_show_the_model_itself() {
+    let Some(mut studio) = studio(Kind::Preview) else {
+        return;
+    };
+    let simple = picture(studio.fill(&heavy_order(1, Change::Whole)));
+    if !simple.software {
+        println!("SKIPPED: previews of the model itself: a GPU draws no simpler one");
+        return;
+    }
+    let resting = heavy_order(2, Change::Light);
+    studio.draw_ahead(&resting);
+    let mut other = resting.clone();
+    other.seen.settings.opacity.gain = 0.5;
+    let shown = picture(studio.fill(&other));
+    assert_eq!(shown.report.kept, Kept::Features);
+    let mut renderer = Renderer::new(Gpu::new(&GpuOptions::default()).unwrap()).unwrap();
+    let model = renderer.load(&resting.scene).unwrap();
+    let settings = lowered(&other.seen.settings, divisor(other.size, shown.size));
+    let expected = renderer.render(&model, &other.seen.camera, &settings, shown.size).unwrap();
+    assert!(shown.rgba == rgba8(&expected.image, shown.background), "another picture than of the whole model");
+    assert_ne!(shown.report.layers.stored, simple.report.layers.stored, "the simpler one has the same layers: no test");
+    // Another view is of the simpler one, and so is the light of that view, until it is drawn ahead again.
+    let turned = |number, change| {
+        let mut order = heavy_order(number, change);
+        order.seen.camera = order.seen.camera.azimuth(30.0);
+        order
+    };
+    let view = picture(studio.fill(&turned(3, Change::View)));
+    let light = picture(studio.fill(&turned(4, Change::Light)));
+    assert!(studio.bench.as_ref().unwrap().ahead.is_none());
+    assert!(view.report.layers.stored > 0 && light.report.layers.stored > 0);
+    studio.draw_ahead(&turned(5, Change::Light));
+    assert_eq!(picture(studio.fill(&turned(6, Change::Light))).report.kept, Kept::Features);
+}
+
+#[test]
+fn what_is_drawn_ahead_becomes_coarser_only() {
+    let ahead = Ahead { size: [160, 100], milliseconds: 100.0 };
+    assert_eq!(ahead.at([160, 100]), Some(ahead));
+    assert_eq!(ahead.at([320, 200]), Some(ahead), "finer ones wait");
+    assert_eq!(ahead.at([80, 50]), Some(Ahead { size: [80, 50], ..ahead }));
+    let slow = Ahead { milliseconds: 2.0 * LONGEST_AGAIN, ..ahead };
+    assert_eq!((slow.at([160, 100]), slow.at([80, 50])), (Some(slow), None), "not worth a second capture");
+}
