@@ -76,6 +76,12 @@ impl Measure {
     }
 }
 
+/// What follows a length of this file: glTF's are metres, the other formats do not say.
+pub fn unit(file: &str) -> &'static str {
+    let ending = file.rsplit('.').next().unwrap_or_default();
+    if ["glb", "gltf"].iter().any(|e| ending.eq_ignore_ascii_case(e)) { "\u{202f}m" } else { "" }
+}
+
 /// A number for people: six significant digits, without zeros that say nothing.
 pub fn number(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
@@ -132,6 +138,14 @@ mod tests {
         measure.take(End { layer: 1, ..End::new(two, &Arrangement::default(), &scene) });
         assert_eq!(measure.distance().map(|d| d.length), Some(1.0));
         assert_eq!(measure.ends[1].part(), last);
+    }
+
+    #[test]
+    fn lengths_have_a_unit_where_the_format_has_one() {
+        assert_eq!(
+            ["a.glb", "b.GLTF", "c.stl", "builtin:stack"].map(unit).map(|u| !u.is_empty()),
+            [true, true, false, false]
+        );
     }
 
     #[test]

@@ -4,7 +4,7 @@ use egui::{Align2, Color32, ComboBox, FontId, Pos2, Rect, Stroke, Ui, Window, ve
 use glam::{DVec2, DVec3};
 
 use super::selection::MARK;
-use crate::app::measure::number;
+use crate::app::measure::{number, unit};
 use crate::app::workspace::{Ask, Workspace};
 
 /// The line and its ends, over the picture.
@@ -29,6 +29,7 @@ pub fn overlay(ui: &Ui, picture: Rect, workspace: &Workspace) {
             picture.center() + vec2(at.x as f32 * half.x, -at.y as f32 * half.y)
         })
     };
+    let unit = unit(&document.file);
     let painter = ui.painter().with_clip_rect(picture);
     let rim = Color32::from_black_alpha(190);
     let points: Vec<Option<Pos2>> = measure
@@ -40,7 +41,7 @@ pub fn overlay(ui: &Ui, picture: Rect, workspace: &Workspace) {
         painter.line_segment([from, to], Stroke::new(4.0, rim));
         painter.line_segment([from, to], Stroke::new(1.8, MARK));
         if let Some(distance) = measure.distance() {
-            let text = painter.layout_no_wrap(number(distance.length), FontId::proportional(13.0), MARK);
+            let text = painter.layout_no_wrap(number(distance.length) + unit, FontId::proportional(13.0), MARK);
             let place = Align2::CENTER_CENTER.anchor_size(from.lerp(to, 0.5) - vec2(0.0, 14.0), text.size());
             painter.rect_filled(place.expand2(vec2(5.0, 2.0)), 3.0, rim);
             painter.galley(place.min, text, MARK);
@@ -60,6 +61,7 @@ pub fn show(ui: &Ui, picture: Rect, workspace: &mut Workspace) {
     if !measure.on {
         return;
     }
+    let unit = unit(&document.file);
     let mut open = true;
     let mut copied = None;
     Window::new("Measure")
@@ -88,7 +90,8 @@ pub fn show(ui: &Ui, picture: Rect, workspace: &mut Workspace) {
                     };
                     let texts: Vec<String> = (0..end.picked.layers.len()).map(part).collect();
                     ui.label(name);
-                    let list = ComboBox::from_id_salt(("end", i)).width(170.0).truncate().selected_text(&texts[end.layer]);
+                    let list =
+                        ComboBox::from_id_salt(("end", i)).width(170.0).truncate().selected_text(&texts[end.layer]);
                     let list = list.show_ui(ui, |ui| {
                         for (layer, text) in texts.iter().enumerate() {
                             ui.selectable_value(&mut end.layer, layer, text);
@@ -104,12 +107,12 @@ pub fn show(ui: &Ui, picture: Rect, workspace: &mut Workspace) {
             ui.separator();
             let [x, y, z] = distance.difference.to_array().map(number);
             let length = number(distance.length);
-            let help = "In the file's units (metres, in glTF), between the points as the file has them: the exploded view \
+            let help = "In the file's units, between the points as the file has them: the exploded view \
                         does not count.";
-            let shown = ui.heading(&length).on_hover_text(help);
-            shown.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, format!("Length {length}")));
+            let shown = ui.heading(format!("{length}{unit}")).on_hover_text(help);
+            shown.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, format!("Length {length}{unit}")));
             for (axis, value) in ["x", "y", "z"].into_iter().zip([&x, &y, &z]) {
-                ui.label(format!("Δ{axis} {value}"));
+                ui.label(format!("Δ{axis} {value}{unit}"));
             }
             ui.horizontal(|ui| {
                 if ui.button("Copy").clicked() {

@@ -6,7 +6,7 @@ use egui::{Button, Color32, DragValue, Grid, RichText, Slider, Ui};
 
 use crate::app::camera;
 use crate::app::document::Document;
-use crate::app::measure::number;
+use crate::app::measure::{number, unit};
 use crate::app::workspace::{Gravity, Workspace};
 use crate::math::Bounds;
 use crate::scene::arrangement::MOST_EXPLODED;
@@ -166,11 +166,11 @@ fn extent(ui: &mut Ui, document: &Document, selected: &[u32]) {
     let list = |v: glam::DVec3| format!("{}, {}, {}", number(v.x), number(v.y), number(v.z));
     let size = bounds.size();
     let help = format!(
-        "The box around it in the file's units (metres, in glTF):\nfrom {}\nto {}",
+        "The box around it in the file's units:\nfrom {}\nto {}",
         list(bounds.min + document.scene.origin),
         list(bounds.max + document.scene.origin)
     );
-    let text = format!("Box {} × {} × {}", number(size.x), number(size.y), number(size.z));
+    let text = format!("Box {} × {} × {}{}", number(size.x), number(size.y), number(size.z), unit(&document.file));
     ui.add(egui::Label::new(RichText::new(text).small()).truncate()).on_hover_text(help);
 }
 

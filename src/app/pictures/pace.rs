@@ -19,6 +19,8 @@ const PATIENCE_LIGHT: u32 = 12;
 /// Share of a preview's time that is taken not to depend on its pixels when it is made coarser: too much is one step too coarse,
 /// too little another capture.
 const FIXED: f64 = 0.15;
+/// How much longer a picture takes between frames of the window than alone.
+const DISTURBED: f64 = 1.5;
 /// Where an unknown model begins.
 const FIRST: usize = 5;
 /// No preview has a side of fewer pixels, unless the viewport has.
@@ -127,20 +129,21 @@ impl Pace {
         // A single slow picture (a shader compiled, another program at work) counts half.
         let smoothed = self.milliseconds.map_or(milliseconds, |m| 0.5 * (m + milliseconds));
         self.milliseconds = Some(smoothed);
-        let next = self.fitting(smoothed);
+        let next = self.fitting(smoothed, self.margin);
         self.fast = if next < self.step { self.fast + 1 } else { 0 };
         if next > self.step || self.fast >= self.patience {
             *self = Pace { milliseconds: None, step: next, fast: 0, ..*self };
         }
     }
 
-    /// The step that a picture fits that takes so long at this one.
-    fn fitting(&self, milliseconds: f64) -> usize {
+    /// The step that a picture fits that takes so long at this one; a finer one only if it takes no more than this share of the
+    /// target.
+    fn fitting(&self, milliseconds: f64, margin: f64) -> usize {
         let pixels = |step: usize| 1.0 / (DIVISORS[step] * DIVISORS[step]);
         let fits = (0..DIVISORS.len()).find(|&step| {
             let more = pixels(step) / pixels(self.step);
             if step < self.step {
-                milliseconds * more <= self.target * self.margin
+                milliseconds * more <= self.target * margin
             } else {
                 milliseconds * (FIXED + (1.0 - FIXED) * more) <= self.target
             }
@@ -152,12 +155,17 @@ impl Pace {
     /// Takes the time of a picture into account that was drawn for no other reason, at once: nobody waits. Says whether the next
     /// one has another size; a finer one only where that is allowed.
     pub fn rehearsed(&mut self, milliseconds: f64, may_refine: bool) -> bool {
-        let fitting = if milliseconds.is_finite() { self.fitting(milliseconds) } else { self.step };
+        if !milliseconds.is_finite() {
+            return false;
+        }
+        // The window's own frames will be drawn in between.
+        let expected = milliseconds * DISTURBED;
+        let fitting = self.fitting(expected, 1.0);
         let next = if may_refine { fitting } else { fitting.max(self.step) };
         let changes = next != self.step;
-        if changes {
-            *self = Pace { milliseconds: None, step: next, fast: 0, ..*self };
-        }
+        // What comes is held against this: one slow picture is not the rule.
+        let milliseconds = (!changes).then_some(expected);
+        *self = Pace { milliseconds, step: next, fast: 0, ..*self };
         changes
     }
 
@@ -227,13 +235,14 @@ mod tests {
         for (fixed, full) in [(0.0, 30.0), (10.0, 1000.0), (12.0, 4000.0), (200.0, 10.0)] {
             let mut pace = Pace { margin: MARGIN_LIGHT, patience: PATIENCE_LIGHT, ..Pace::new(24.0) };
             let time = |p: &Pace| fixed + full / (p.divisor() * p.divisor());
-            let (mut may_refine, mut times) = (true, 0);
+            let (mut refined, mut may_refine, mut times) = (false, true, 0);
             loop {
                 let before = pace.divisor();
                 if !pace.rehearsed(time(&pace), may_refine) {
                     break;
                 }
-                may_refine &= pace.divisor() < before;
+                let is_finer = pace.divisor() < before;
+                (refined, may_refine) = (refined || is_finer, may_refine && (is_finer || !refined));
                 times += 1;
                 assert!(times < 8, "{fixed} {full}");
             }

@@ -30,7 +30,7 @@ const MOST_AHEAD: u64 = 1_000_000;
 /// Pictures that are drawn ahead at most, until their size is found.
 const REHEARSALS: usize = 12;
 /// How long a preview may take to capture the model again that was drawn ahead, milliseconds.
-const LONGEST_AGAIN: f64 = 250.0;
+const LONGEST_AGAIN: f64 = 400.0;
 /// How long the next preview waits for the window to show the last one, at most.
 const LONGEST_SHOWING: Duration = Duration::from_millis(80);
 
@@ -586,7 +586,7 @@ impl Studio {
         let mut captured: Option<Ahead> = None;
         // The fastest of several pictures of a size, so far: other threads may be at work beside the first.
         let mut fastest: Option<f64> = None;
-        let mut may_refine = true;
+        let (mut refined, mut may_refine) = (false, true);
         // Rehearsed until the size is one that will do: a hand that drags is not to wait for another capture.
         for _ in 0..REHEARSALS {
             let begin = Instant::now();
@@ -613,7 +613,9 @@ impl Studio {
             if !pace.rehearsed(before.min(milliseconds), may_refine) {
                 break;
             }
-            may_refine &= pace.divisor() < divisor;
+            // Once a finer one was too slow, none is tried again.
+            let is_finer = pace.divisor() < divisor;
+            (refined, may_refine) = (refined || is_finer, may_refine && (is_finer || !refined));
         }
         bench.ahead = captured;
         Ok(())
