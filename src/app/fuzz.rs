@@ -193,7 +193,16 @@ impl Desk {
                             dialogs::fulfil(&mut self.workspace, choice, &path, false);
                         }
                     }
-                    Ask::Use { choice, path, typed } => dialogs::fulfil(&mut self.workspace, choice, &path, typed),
+                    Ask::Use { choice, path, typed } => {
+                        // Whatever was typed, only this folder is written to.
+                        let name = path.rsplit('/').next().unwrap_or_default();
+                        let path = match choice {
+                            Choice::Open | Choice::ImportTransfer => path,
+                            _ if path.starts_with("/no/such") => path,
+                            _ => self.folder.join(name).to_string_lossy().into_owned(),
+                        };
+                        dialogs::fulfil(&mut self.workspace, choice, &path, typed);
+                    }
                     Ask::Export(path) => {
                         if let Ok(job) = exports::Job::of(&self.workspace, &path) {
                             assert!((1..=exports::MOST_FRAMES).contains(&job.count()));

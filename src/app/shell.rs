@@ -286,6 +286,9 @@ impl Shell {
                 }
             }
         }
+        if let Some(pictures) = &mut self.pictures {
+            pictures.draws_ahead = self.workspace.accuracy.underway.is_none();
+        }
         let deliveries = self.pictures.as_mut().map(Pictures::take).unwrap_or_default();
         for delivery in deliveries {
             match delivery {

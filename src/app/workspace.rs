@@ -20,6 +20,7 @@ use super::measure::Measure;
 use super::models::Models;
 use super::panels::parts::Tree;
 use super::panels::planes;
+use super::panels::room::Sizes;
 use super::pictures::{Counted, Extras, Kind, Picked, Picture, Wish};
 use super::viewport::Shown;
 use super::watch::{Changed, ShaderTexts};
@@ -45,7 +46,7 @@ pub enum Ask {
         choice: Choice,
         /// Of a file.
         path: String,
-        /// In the window's own line: asked for again if it is of no use.
+        /// In the window's own line: asked for again if nothing could be written there.
         typed: bool,
     },
     /// Open this file.
@@ -158,6 +159,8 @@ pub struct Prompt {
 /// What the panels keep for themselves.
 #[derive(Default)]
 pub struct Layout {
+    /// How large the panels are.
+    pub sizes: Sizes,
     /// The list of shortcuts is shown.
     pub shortcuts: bool,
     /// A path that is asked for.
@@ -327,6 +330,7 @@ impl Workspace {
     /// Shows another model: as its session says, or as first seen, with the settings that are there.
     pub fn open(&mut self, file: String, opened: Opened) {
         let Opened { scene, session, case, import } = opened;
+        let present_before = self.document.is_some();
         let present = self.document.take().map_or_else(|| self.configuration.settings(), |d| d.seen.settings);
         let settings = self.settings_before_case.take().unwrap_or(present);
         if case.is_some() {
@@ -346,8 +350,11 @@ impl Workspace {
         };
         self.end_case();
         self.forget_accuracy();
-        // What was wrong with another one is over.
-        self.messages.clear();
+        // What was wrong with another one is over; what was wrong before any is not.
+        match present_before {
+            true => self.messages.clear(),
+            false => self.messages.retain(|m| m.gravity == Gravity::Error),
+        }
         let notices: Vec<String> = scene.notices.iter().map(|n| format!("{}: {}", n.kind.name(), n.message)).collect();
         if !notices.is_empty() {
             self.say(Gravity::Notice, notices.join("\n"));

@@ -37,28 +37,31 @@ use room::Room;
 /// Everything, from the outside in.
 pub fn show(ui: &mut Ui, workspace: &mut Workspace) {
     Panel::top("menu").show(ui, |ui| menu::show(ui, workspace));
-    let room = Room::of(ui.available_size(), &workspace.preferences);
+    let room = Room::of(ui.available_size(), &workspace.preferences, &workspace.layout.sizes);
     Panel::bottom("status").show(ui, |ui| status::show(ui, workspace, &room));
     if let Some(size) = room.editors {
-        size.panel(Panel::bottom(size.id("editors"))).show(ui, |ui| editors::show(ui, workspace));
+        let shown = size.panel(Panel::bottom(size.id("editors"))).show(ui, |ui| editors::show(ui, workspace));
+        size.remember(shown.response.rect.height(), &mut workspace.layout.sizes.editors);
     }
     if let Some(size) = room.accuracy {
-        size.panel(Panel::right(size.id("accuracy"))).show(ui, |ui| {
+        let shown = size.panel(Panel::right(size.id("accuracy"))).show(ui, |ui| {
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| accuracy::show(ui, workspace));
         });
+        size.remember(shown.response.rect.width(), &mut workspace.layout.sizes.accuracy);
     }
     if let Some(size) = room.stages {
-        size.panel(Panel::right(size.id("stages"))).show(ui, |ui| {
+        let shown = size.panel(Panel::right(size.id("stages"))).show(ui, |ui| {
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
                 stages::show(ui, workspace);
                 sections::show(ui, workspace);
                 plan::show(ui, workspace);
             });
         });
+        size.remember(shown.response.rect.width(), &mut workspace.layout.sizes.stages);
     }
-    // The right may have been drawn wider.
-    if let Some(size) = room.parts.and_then(|_| room::parts(ui.available_width())) {
-        size.panel(Panel::left(size.id("parts"))).show(ui, |ui| parts::show(ui, workspace));
+    if let Some(size) = room.parts {
+        let shown = size.panel(Panel::left(size.id("parts"))).show(ui, |ui| parts::show(ui, workspace));
+        size.remember(shown.response.rect.width(), &mut workspace.layout.sizes.parts);
     }
     CentralPanel::default().frame(Frame::NONE).show(ui, |ui| picture(ui, workspace));
     messages::prompt(ui, workspace);

@@ -12,9 +12,15 @@ use crate::render::FrameReport;
 pub fn show(ui: &mut Ui, workspace: &Workspace, room: &Room) {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 14.0;
+        // First, because the rest may not fit then either.
+        let out = room.left_out(&workspace.preferences);
+        if !out.is_empty() {
+            let help = "The picture keeps some of a small window. They are back when it is larger.";
+            ui.label(format!("no room: {}", out.join(", "))).on_hover_text(help);
+        }
         let Some(screen) = &workspace.screen else {
             ui.weak(if workspace.document.is_some() { "starting the renderer" } else { "no model" });
-            right(ui, workspace, room);
+            right(ui, workspace);
             return;
         };
         let [width, height] = screen.size;
@@ -23,8 +29,8 @@ pub fn show(ui: &mut Ui, workspace: &Workspace, room: &Room) {
             let help = "What `pellucid render` draws, bit for bit.";
             ("exact", Color32::from_rgb(0x4c, 0xa6, 0x8a), help)
         } else {
-            let help = "Drawn to be in time: fewer pixels, on a software rasterizer fewer triangles, or the view of a \
-                        moment ago. The exact picture follows when nothing moves.";
+            let help = "Drawn to be in time: fewer pixels, on a software rasterizer often fewer triangles, or the view of \
+                        a moment ago. The exact picture follows when nothing moves.";
             ("preview", Color32::from_rgb(0xd0, 0x94, 0x3c), help)
         };
         ui.label(RichText::new(word).color(color).strong()).on_hover_text(help);
@@ -36,19 +42,13 @@ pub fn show(ui: &mut Ui, workspace: &Workspace, room: &Room) {
         {
             layers(ui, report);
         }
-        right(ui, workspace, room);
+        right(ui, workspace);
     });
 }
 
-/// What draws, and which panels are missing.
-fn right(ui: &mut Ui, workspace: &Workspace, room: &Room) {
+/// What draws.
+fn right(ui: &mut Ui, workspace: &Workspace) {
     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-        let out = room.left_out(&workspace.preferences);
-        if !out.is_empty() {
-            let text = RichText::new(format!("no room: {}", out.join(", "))).weak();
-            let help = "The picture keeps some of a small window. They are back when it is larger.";
-            ui.add(Label::new(text).truncate()).on_hover_text(help);
-        }
         if let Some(adapter) = &workspace.adapter {
             ui.add(Label::new(RichText::new(adapter).weak()).truncate());
         }

@@ -25,7 +25,7 @@ use std::time::{Duration, Instant};
 use super::document::Seen;
 use super::watch::ShaderTexts;
 use crate::math::{Camera, LinearImage};
-use crate::render::{FrameReport, LayerHistogram, PickedLayer};
+use crate::render::{FrameReport, Kept, LayerHistogram, PickedLayer};
 use crate::scene::Scene;
 use crate::settings::Settings;
 use crate::transfer::TransferFunction;
@@ -241,7 +241,9 @@ pub struct Pictures {
     deliveries: Receiver<Delivery>,
     number: u64,
     asked: Option<Order>,
-    /// Of the last exact picture of a scene.
+    /// Whether what is shown may be drawn ahead for previews of other light. Not beside measurements.
+    pub draws_ahead: bool,
+    /// Of the last whole exact picture of a scene.
     exact_time: Option<(u64, f64)>,
 }
 
@@ -259,6 +261,7 @@ impl Pictures {
             deliveries,
             number: 0,
             asked: None,
+            draws_ahead: true,
             exact_time: None,
         }
     }
@@ -339,11 +342,24 @@ impl Pictures {
             if let Delivery::Picture(p) = delivery
                 && p.kind == Kind::Exact
             {
-                self.exact_time = Some((p.scene_number, p.milliseconds));
-                if let Some(order) = self.asked.as_ref().filter(|o| o.number == p.number && p.milliseconds > TARGET) {
-                    self.preview.draw_ahead(Order { change: Change::Light, ..order.clone() });
+                // A part of a frame says nothing about how long the next whole one takes.
+                if p.report.kept == Kept::Nothing {
+                    self.exact_time = Some((p.scene_number, p.milliseconds));
                 }
             }
+        }
+        // The picture that it is compared with comes last, and is not to be held up.
+        let last = |d: &Delivery| match d {
+            Delivery::Picture(p) if p.kind == Kind::Exact => Some((p.number, false)),
+            Delivery::Compared(p) => Some((p.number, true)),
+            _ => None,
+        };
+        let fast = |o: &Order| self.exact_time.is_some_and(|(of, ms)| of == o.scene_number && ms <= TARGET);
+        if self.draws_ahead
+            && let Some(order) = self.asked.as_ref().filter(|o| !fast(o))
+            && all.iter().filter_map(last).any(|d| d == (order.number, order.extras.against.is_some()))
+        {
+            self.preview.draw_ahead(Order { change: Change::Light, ..order.clone() });
         }
         all
     }

@@ -21,6 +21,8 @@ const PATIENCE_LIGHT: u32 = 12;
 const FIXED: f64 = 0.15;
 /// How much longer a picture takes between frames of the window than alone.
 const DISTURBED: f64 = 1.5;
+/// Rests after a size that was too slow in which no finer one is tried.
+const DISTRUST: u32 = 4;
 /// Where an unknown model begins.
 const FIRST: usize = 5;
 /// No preview has a side of fewer pixels, unless the viewport has.
@@ -98,6 +100,8 @@ pub struct Pace {
     /// How many in a row have been.
     fast: u32,
     step: usize,
+    /// Rests in which rehearsals are not believed that find a finer one: what they found was too slow for a hand.
+    distrust: u32,
     /// The time of the last measurements at this step, smoothed.
     milliseconds: Option<f64>,
 }
@@ -105,7 +109,7 @@ pub struct Pace {
 impl Pace {
     /// For pictures that take no longer than `target` milliseconds.
     pub fn new(target: f64) -> Pace {
-        Pace { target, margin: MARGIN, patience: 1, fast: 0, step: FIRST, milliseconds: None }
+        Pace { target, margin: MARGIN, patience: 1, fast: 0, step: FIRST, distrust: 0, milliseconds: None }
     }
 
     /// By how much width and height are divided.
@@ -152,6 +156,32 @@ impl Pace {
         fits.unwrap_or(DIVISORS.len() - 1).max(self.step.saturating_sub(1))
     }
 
+    /// Takes the time of a preview into account whose size is not to become finer.
+    pub fn held(&mut self, milliseconds: f64) {
+        let step = self.step;
+        self.measured(milliseconds);
+        if self.step < step {
+            *self = Pace { step, fast: 0, milliseconds: None, ..*self };
+        } else if self.step > step {
+            self.distrust = DISTRUST;
+        }
+    }
+
+    /// Nothing moves, and there will be rehearsals.
+    pub fn rests(&mut self) {
+        self.distrust = self.distrust.saturating_sub(1);
+    }
+
+    /// Goes back to the step of previews of this size.
+    pub fn settle(&mut self, viewport: [u32; 2], size: [u32; 2]) {
+        let of = |step: usize| Pace { step, ..*self }.size(viewport);
+        if of(self.step) != size
+            && let Some(step) = (0..DIVISORS.len()).find(|&s| of(s) == size)
+        {
+            *self = Pace { step, fast: 0, milliseconds: None, ..*self };
+        }
+    }
+
     /// Takes the time of a picture into account that was drawn for no other reason, at once: nobody waits. Says whether the next
     /// one has another size; a finer one only where that is allowed.
     pub fn rehearsed(&mut self, milliseconds: f64, may_refine: bool) -> bool {
@@ -161,7 +191,7 @@ impl Pace {
         // The window's own frames will be drawn in between.
         let expected = milliseconds * DISTURBED;
         let fitting = self.fitting(expected, 1.0);
-        let next = if may_refine { fitting } else { fitting.max(self.step) };
+        let next = if may_refine && self.distrust == 0 { fitting } else { fitting.max(self.step) };
         let changes = next != self.step;
         // What comes is held against this: one slow picture is not the rule.
         let milliseconds = (!changes).then_some(expected);
@@ -228,6 +258,29 @@ mod tests {
         paces.restart();
         assert_eq!(paces.of(Change::Whole).divisor(), DIVISORS[FIRST]);
         assert_eq!(paces.of(Change::Whole).target, 20.0);
+    }
+
+    #[test]
+    fn what_is_held_becomes_coarser_only() {
+        let mut pace = Pace { margin: MARGIN_LIGHT, ..Pace::new(24.0) };
+        for _ in 0..50 {
+            pace.held(0.1);
+            assert_eq!(pace.divisor(), DIVISORS[FIRST]);
+        }
+        pace.held(500.0);
+        pace.held(500.0);
+        let coarse = pace.divisor();
+        assert!(coarse > DIVISORS[FIRST]);
+        for _ in 1..DISTRUST {
+            pace.rests();
+            assert!(!pace.rehearsed(0.1, true), "it was too slow in earnest");
+        }
+        pace.rests();
+        assert!(pace.rehearsed(0.1, true), "but not for ever");
+        pace.settle([1280, 800], Pace { step: 2, ..pace.clone() }.size([1280, 800]));
+        assert_eq!(pace.divisor(), DIVISORS[2]);
+        pace.settle([1280, 800], [7, 7]);
+        assert_eq!(pace.divisor(), DIVISORS[2], "no step has that size");
     }
 
     #[test]

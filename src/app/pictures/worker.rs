@@ -25,10 +25,11 @@ mod tests;
 
 /// Triangles of a preview on a software rasterizer.
 const SOFTWARE_TRIANGLES: u64 = 8_000;
-/// Triangles of a model that is drawn ahead there, at most: whoever moves it meanwhile waits for a pass over all of them.
+/// Triangles of a model that is drawn ahead there, at most: whoever moves it meanwhile waits for its upload, once, or a pass over
+/// all of them.
 const MOST_AHEAD: u64 = 1_000_000;
-/// Pictures that are drawn ahead at most, until their size is found.
-const REHEARSALS: usize = 12;
+/// Sizes that are tried ahead with the hope for a finer one.
+const MOST_REHEARSED: usize = 5;
 /// How long a preview may take to capture the model again that was drawn ahead, milliseconds.
 const LONGEST_AGAIN: f64 = 400.0;
 /// How long the next preview waits for the window to show the last one, at most.
@@ -339,6 +340,8 @@ impl Uploaded {
 struct Ahead {
     /// Width and height.
     size: [u32; 2],
+    /// Of which viewport.
+    viewport: [u32; 2],
     /// What its capture took, and all else.
     milliseconds: f64,
 }
@@ -356,6 +359,59 @@ impl Ahead {
 }
 
 impl Bench {
+    /// Draws an order at the size that previews of other light have: once to capture its layers, if need be, and twice with
+    /// them. Gives the time of the faster; `None` if there is something else to do, or layers are not kept.
+    fn rehearse(
+        &mut self,
+        order: &Order,
+        pace: &Mutex<Paces>,
+        cancel: &AtomicBool,
+    ) -> Result<Option<f64>, RenderError> {
+        let size = lock(pace).of(Change::Light).size(order.size);
+        let settings = lowered(&order.seen.settings, divisor(order.size, size));
+        let Some(Uploaded { scene, .. }) = self.model.as_ref().or(self.scene.as_ref()) else {
+            return Ok(None);
+        };
+        let mut captured = None;
+        let mut fastest: Option<f64> = None;
+        for _ in 0..3 {
+            // What is there stays there: only a frame that has begun can lose it.
+            if cancel.load(Ordering::Relaxed) {
+                return Ok(None);
+            }
+            let before = self.ahead.take();
+            let begin = Instant::now();
+            // A capture is passes one by one, so that it can be called off between them.
+            let usual = self.renderer.timing;
+            if self.software && before.is_none() && captured.is_none() {
+                self.renderer.timing = Timing::Serial;
+            }
+            let (camera, transfer) = (&order.seen.camera, order.extras.transfer.as_ref());
+            let frame = match transfer {
+                Some(transfer) => self.renderer.render_with(scene, camera, &settings, transfer, size),
+                None => self.renderer.render(scene, camera, &settings, size),
+            };
+            self.renderer.timing = usual;
+            let kept = frame?.report.kept;
+            let milliseconds = begin.elapsed().as_secs_f64() * 1e3;
+            tracing::debug!("ahead {}: {size:?} in {milliseconds:.1} ms, kept: {kept:?}", order.number);
+            if kept == Kept::Features {
+                // Of an earlier rest, perhaps.
+                let milliseconds_then = captured.or(before.map(|b| b.milliseconds)).unwrap_or(milliseconds);
+                let viewport = order.size;
+                self.ahead = Some(Ahead { size, viewport, milliseconds: milliseconds_then });
+                if let Some(first) = fastest {
+                    return Ok(Some(milliseconds.min(first)));
+                }
+                fastest = Some(milliseconds);
+            } else if captured.replace(milliseconds).is_some() {
+                // It leaves no layers behind that could be kept.
+                return Ok(None);
+            }
+        }
+        Ok(None)
+    }
+
     /// What the renderer keeps layers of.
     fn drawn(&self) -> Option<&Uploaded> {
         self.ahead.and(self.model.as_ref()).or(self.scene.as_ref())
@@ -567,8 +623,8 @@ impl Studio {
         let pace = Arc::clone(&self.pace);
         self.prepare(&order.scene, order.scene_number, &order.seen.arrangement)?;
         self.take_shaders(&order.extras.shaders);
+        let cancel = Arc::clone(&self.cancel);
         let bench = self.prepare(&order.scene, order.scene_number, &order.seen.arrangement)?;
-        bench.ahead = None;
         let is_simpler = bench.scene.as_ref().is_none_or(|s| !Arc::ptr_eq(&s.source, &order.scene));
         if is_simpler {
             if order.scene.triangle_count() > MOST_AHEAD {
@@ -580,44 +636,26 @@ impl Studio {
             };
             model.arrange(&mut bench.renderer, &order.seen.arrangement)?;
         }
-        let Some(Uploaded { scene, .. }) = bench.model.as_ref().or(bench.scene.as_ref()) else {
-            return Ok(());
-        };
-        let mut captured: Option<Ahead> = None;
-        // The fastest of several pictures of a size, so far: other threads may be at work beside the first.
-        let mut fastest: Option<f64> = None;
-        let (mut refined, mut may_refine) = (false, true);
+        let (mut sizes, mut refined, mut may_refine) = (0, false, true);
         // Rehearsed until the size is one that will do: a hand that drags is not to wait for another capture.
-        for _ in 0..REHEARSALS {
-            let begin = Instant::now();
-            let size = lock(&pace).of(Change::Light).size(order.size);
-            let settings = lowered(&order.seen.settings, divisor(order.size, size));
-            let frame = match &order.extras.transfer {
-                Some(transfer) => bench.renderer.render_with(scene, &order.seen.camera, &settings, transfer, size)?,
-                None => bench.renderer.render(scene, &order.seen.camera, &settings, size)?,
-            };
-            let milliseconds = begin.elapsed().as_secs_f64() * 1e3;
-            let kept = frame.report.kept;
-            tracing::debug!("ahead {}: {size:?} in {milliseconds:.1} ms, kept: {kept:?}", order.number);
-            if kept != Kept::Features {
-                (captured, fastest) = (Some(Ahead { size, milliseconds }), None);
-                continue;
-            }
-            let Some(before) = fastest else {
-                fastest = Some(milliseconds);
-                continue;
-            };
+        lock(&pace).of(Change::Light).rests();
+        while let Some(fastest) = bench.rehearse(order, &pace, &cancel)? {
+            sizes += 1;
             let mut pace = lock(&pace);
             let pace = pace.of(Change::Light);
-            let divisor = pace.divisor();
-            if !pace.rehearsed(before.min(milliseconds), may_refine) {
+            let before = pace.divisor();
+            let changes = pace.rehearsed(fastest, may_refine && sizes < MOST_REHEARSED);
+            if !changes {
                 break;
             }
             // Once a finer one was too slow, none is tried again.
-            let is_finer = pace.divisor() < divisor;
+            let is_finer = pace.divisor() < before;
             (refined, may_refine) = (refined || is_finer, may_refine && (is_finer || !refined));
         }
-        bench.ahead = captured;
+        // Something else came up before the last size was tried.
+        if let Some(ahead) = bench.ahead {
+            lock(&pace).of(Change::Light).settle(order.size, ahead.size);
+        }
         Ok(())
     }
 
@@ -669,11 +707,17 @@ impl Studio {
             Kind::Exact => (order.seen.settings.clone(), order.size, None, false),
             Kind::Preview => {
                 let paced = lock(&pace).of(order.change).size(order.size);
-                let ahead = ahead.filter(|_| order.change == Change::Light).and_then(|a| a.at(paced));
+                let is_light = |a: &Ahead| order.change == Change::Light && a.viewport == order.size;
+                let ahead = ahead.filter(is_light).and_then(|a| a.at(paced));
                 let size = ahead.map_or(paced, |a| a.size);
                 (lowered(&order.seen.settings, divisor(order.size, size)), size, ahead, size == paced)
             }
         };
+        if ahead.is_some()
+            && let Some(model) = &mut bench.model
+        {
+            model.arrange(&mut bench.renderer, &order.seen.arrangement)?;
+        }
         let Some(Uploaded { scene, .. }) = ahead.and(bench.model.as_ref()).or(bench.scene.as_ref()) else {
             return Err(RenderError::Cancelled);
         };

@@ -235,13 +235,15 @@ fn sized(size: egui::Vec2, workspace: Workspace) -> Window {
 fn a_small_window_keeps_its_picture_and_says_what_it_left_out() {
     let mut window = sized(egui::vec2(1280.0, 800.0), workspace("stack"));
     let picture = |w: &Window| w.state().viewport.size.map(|n| n as f32);
+    window.run();
     let before = picture(&window);
     assert!(window.query_by_label_contains("no room").is_none());
     window.set_size(egui::vec2(380.0, 300.0));
     window.run();
     window.get_by_label("no room: parts, stages, editors");
     assert!(picture(&window)[0] > 350.0 && picture(&window)[1] > 200.0, "{:?}", picture(&window));
-    window.set_size(egui::vec2(640.0, 480.0));
+    // 640 and 480 without the harness's margins.
+    window.set_size(egui::vec2(656.0, 496.0));
     window.run();
     window.get_by_label("no room: parts");
     assert!(picture(&window)[0] >= panels::room::LEAST_PICTURE.x, "{:?}", picture(&window));
@@ -249,7 +251,9 @@ fn a_small_window_keeps_its_picture_and_says_what_it_left_out() {
     window.set_size(egui::vec2(1280.0, 800.0));
     window.run();
     window.run();
-    assert_eq!(picture(&window), before);
+    // To the pixel to which egui rounds the height of a line.
+    let off = picture(&window).iter().zip(before).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+    assert!(off <= 1.0, "{:?} {before:?}", picture(&window));
 }
 
 #[test]

@@ -112,6 +112,21 @@ fn where_only_light_changes_previews_show_the_model_itself() {
     let expected = renderer.render(&model, &other.seen.camera, &settings, shown.size).unwrap();
     assert!(shown.rgba == rgba8(&expected.image, shown.background), "another picture than of the whole model");
     assert_ne!(shown.report.layers.stored, simple.report.layers.stored, "the simpler one has the same layers: no test");
+    // After the next rest of the same view it is the model still, and nothing is captured again but for another size.
+    let ahead = studio.bench.as_ref().unwrap().ahead.unwrap();
+    studio.draw_ahead(&other);
+    let then = studio.bench.as_ref().unwrap().ahead.unwrap();
+    assert!(then == ahead || then.size != ahead.size, "{then:?} {ahead:?}");
+    let mut third = other.clone();
+    third.seen.settings.opacity.gain = 0.7;
+    let shown = picture(studio.fill(&third));
+    assert_eq!((shown.report.kept, shown.report.layers.stored > simple.report.layers.stored), (Kept::Features, true));
+    // A viewport of another size is another picture, whatever else has changed.
+    let mut resized = third.clone();
+    resized.size = [96, 128];
+    picture(studio.fill(&resized));
+    assert_eq!(studio.bench.as_ref().unwrap().ahead, None);
+    studio.draw_ahead(&third);
     // Another view is of the simpler one, and so is the light of that view, until it is drawn ahead again.
     let turned = |number, change| {
         let mut order = heavy_order(number, change);
@@ -127,8 +142,25 @@ fn where_only_light_changes_previews_show_the_model_itself() {
 }
 
 #[test]
+fn where_layers_are_not_kept_nothing_is_drawn_ahead() {
+    let Some(mut studio) = studio(Kind::Preview) else {
+        return;
+    };
+    for opaque in [
+        "opacity.model=constant opacity.constant=1",
+        "capture.kind=bucketed_k_buffer capture.bucketed_k_buffer.tail=average",
+    ] {
+        let mut order = heavy_order(1, Change::Light);
+        order.seen.settings = Settings::from_pairs(opaque).unwrap();
+        studio.draw_ahead(&order);
+        assert_eq!(studio.bench.as_ref().unwrap().ahead, None, "{opaque}");
+        assert!(picture(studio.fill(&order)).rgba.iter().any(|&b| b > 0));
+    }
+}
+
+#[test]
 fn what_is_drawn_ahead_becomes_coarser_only() {
-    let ahead = Ahead { size: [160, 100], milliseconds: 100.0 };
+    let ahead = Ahead { size: [160, 100], viewport: [1280, 800], milliseconds: 100.0 };
     assert_eq!(ahead.at([160, 100]), Some(ahead));
     assert_eq!(ahead.at([320, 200]), Some(ahead), "finer ones wait");
     assert_eq!(ahead.at([80, 50]), Some(Ahead { size: [80, 50], ..ahead }));
