@@ -43,7 +43,13 @@ impl Choice {
         }
     }
 
-    fn ending(self) -> &'static str {
+    /// Whether something is written to it.
+    pub fn writes(self) -> bool {
+        !matches!(self, Choice::Open | Choice::ImportTransfer)
+    }
+
+    /// What its name ends with, as proposed.
+    pub fn ending(self) -> &'static str {
         match self {
             Choice::Open => "glb",
             Choice::SaveSession | Choice::ImportTransfer | Choice::ExportTransfer => "toml",
@@ -118,7 +124,7 @@ pub fn answered(workspace: &mut Workspace, chosen: Chosen) {
             typed: false,
         }),
         None if chosen.never_there => {
-            workspace.layout.prompt = Some(Prompt { choice: chosen.choice, path: chosen.suggestion });
+            workspace.layout.prompt = Some(Prompt::new(chosen.choice, &chosen.suggestion));
         }
         None => {}
     }
@@ -130,8 +136,13 @@ pub fn fulfil(workspace: &mut Workspace, choice: Choice, path: &str, typed: bool
     if path.is_empty() {
         return;
     }
+    if let Err(reason) = may_be_written(workspace, choice, path) {
+        refuse(workspace, choice, path, typed, &reason);
+        return;
+    }
     let written = match choice {
         Choice::Open => {
+            workspace.layout.typed = typed.then(|| path.to_owned());
             workspace.asks.push(Ask::Open(path.to_owned()));
             return;
         }
@@ -152,14 +163,35 @@ pub fn fulfil(workspace: &mut Workspace, choice: Choice, path: &str, typed: bool
     };
     match written {
         Ok(()) => workspace.say(Gravity::Note, format!("{path} is written.")),
-        Err(reason) => {
-            workspace.say(Gravity::Error, format!("{path}: {reason}"));
-            // Whoever typed it mends it rather than types it again.
-            if typed {
-                workspace.layout.prompt = Some(Prompt { choice, path: path.to_owned() });
-            }
-        }
+        Err(reason) => refuse(workspace, choice, path, typed, &reason),
     }
+}
+
+/// Says why nothing was written. Whoever typed the path mends it rather than types it again.
+fn refuse(workspace: &mut Workspace, choice: Choice, path: &str, typed: bool, reason: &str) {
+    workspace.say(Gravity::Error, format!("{path}: {reason}"));
+    if typed {
+        workspace.layout.prompt = Some(Prompt::new(choice, path));
+    }
+}
+
+/// Whether this may become a file: not the model that is open, nor under a name that says it is something else.
+fn may_be_written(workspace: &Workspace, choice: Choice, path: &str) -> Result<(), String> {
+    let expected = match choice {
+        Choice::SaveSession => "toml",
+        Choice::SavePicture => "png",
+        Choice::ExportTransfer | Choice::Export => "",
+        Choice::Open | Choice::ImportTransfer => return Ok(()),
+    };
+    let open = workspace.document.as_ref().and_then(|d| Path::new(&d.file).canonicalize().ok());
+    if open.is_some() && open == Path::new(path).canonicalize().ok() {
+        return Err("this is the model that is open".to_owned());
+    }
+    let ending = Path::new(path).extension().unwrap_or_default();
+    if !expected.is_empty() && !ending.eq_ignore_ascii_case(expected) {
+        return Err(format!("the name has to end with .{expected}"));
+    }
+    Ok(())
 }
 
 /// The picture on screen as PNG, if it is the exact one.

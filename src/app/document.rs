@@ -132,6 +132,12 @@ impl Document {
         self.history.settle(&self.seen);
     }
 
+    /// Ends a gesture as if it had not been: the settings are as before it.
+    pub fn abandon_gesture(&mut self) {
+        self.in_gesture = false;
+        self.seen.settings.clone_from(&self.history.settled.settings);
+    }
+
     /// Makes a step of what changed, unless a gesture is under way.
     pub fn settle(&mut self) {
         if !self.in_gesture {

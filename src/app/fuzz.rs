@@ -185,10 +185,12 @@ impl Desk {
                                 self.files[below(&mut self.random, self.files.len() as u32) as usize].clone()
                             }
                             _ if below(&mut self.random, 3) == 0 => "/no/such/folder/x.png".to_owned(),
-                            _ => self.folder.join("written").to_string_lossy().into_owned(),
+                            _ => {
+                                self.folder.join(format!("written.{}", choice.ending())).to_string_lossy().into_owned()
+                            }
                         };
                         if below(&mut self.random, 2) == 0 {
-                            self.workspace.layout.prompt = Some(Prompt { choice, path });
+                            self.workspace.layout.prompt = Some(Prompt::new(choice, &path));
                         } else {
                             dialogs::fulfil(&mut self.workspace, choice, &path, false);
                         }
@@ -210,8 +212,13 @@ impl Desk {
                         }
                     }
                     Ask::Measure(_) | Ask::StopMeasuring | Ask::DrawModels => {}
-                    Ask::CancelLoading | Ask::Copy(_) | Ask::Redraw | Ask::CancelExport | Ask::Remember | Ask::Quit => {
-                    }
+                    Ask::CancelLoading
+                    | Ask::Copy(_)
+                    | Ask::Redraw
+                    | Ask::Restyle
+                    | Ask::CancelExport
+                    | Ask::Remember
+                    | Ask::Quit => {}
                 }
             }
         }

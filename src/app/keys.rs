@@ -28,6 +28,9 @@ pub fn press(workspace: &mut Workspace, key: &Key, place: PhysicalKey, held: Hel
                 "y" if !typing => workspace.redo(),
                 "c" if shift => menu::copy_command_line(workspace),
                 "d" => views::ask(workspace),
+                "+" | "=" => menu::resize(workspace, 1),
+                "-" => menu::resize(workspace, -1),
+                "0" => menu::resize(workspace, 0),
                 _ => return !typing && view(workspace, place, true),
             }
         }

@@ -23,7 +23,7 @@ use winit::window::{Window, WindowId};
 
 use super::AppError;
 use super::config::{self, Preferences};
-use super::dialogs::{self, Chosen};
+use super::dialogs::{self, Choice, Chosen};
 use super::exports::Exporting;
 use super::hand::Hand;
 use super::loader::Loading;
@@ -32,7 +32,7 @@ use super::panels::style;
 use super::pictures::{Delivery, Kind, Pictures, supersedes};
 use super::surface::Surface;
 use super::watch::{Watch, Workshop};
-use super::workspace::{Gravity, Workspace};
+use super::workspace::{Gravity, Prompt, Workspace};
 use crate::session::configuration::Configuration;
 
 /// Most that frames that follow the mouse are held back.
@@ -282,7 +282,13 @@ impl Shell {
                             open.window.set_title(&format!("{name} – Pellucid"));
                         }
                     }
-                    Err(reason) => self.workspace.say(Gravity::Error, reason),
+                    Err(reason) => {
+                        self.workspace.say(Gravity::Error, reason);
+                        // Whoever typed it mends it rather than types it again.
+                        if self.workspace.layout.typed.take().is_some_and(|typed| typed == file) {
+                            self.workspace.layout.prompt = Some(Prompt::new(Choice::Open, &file));
+                        }
+                    }
                 }
             }
         }

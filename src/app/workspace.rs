@@ -49,6 +49,8 @@ pub enum Ask {
         /// In the window's own line: asked for again if nothing could be written there.
         typed: bool,
     },
+    /// Take over size and theme of the interface.
+    Restyle,
     /// Open this file.
     Open(String),
     /// Stop loading.
@@ -154,6 +156,15 @@ pub struct Prompt {
     pub choice: Choice,
     /// As typed so far.
     pub path: String,
+    /// A file that is there and would be replaced, of which was told.
+    pub replaced: Option<String>,
+}
+
+impl Prompt {
+    /// Beginning with this path.
+    pub fn new(choice: Choice, path: &str) -> Prompt {
+        Prompt { choice, path: path.to_owned(), replaced: None }
+    }
 }
 
 /// What the panels keep for themselves.
@@ -165,6 +176,8 @@ pub struct Layout {
     pub shortcuts: bool,
     /// A path that is asked for.
     pub prompt: Option<Prompt>,
+    /// The last file to be opened whose path was typed.
+    pub typed: Option<String>,
     /// What is searched among the parts.
     pub search: String,
     /// The tree of parts, laid out for the scene at hand.

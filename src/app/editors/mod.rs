@@ -30,6 +30,9 @@ use crate::transfer::{ColorShape, Format, Interpolation, OpacityShape, TransferF
 /// Width of the editors side by side, points, at which all that is above their curves fits.
 const LEAST_WIDTH: f32 = 960.0;
 
+/// Width of the name of the functions, points.
+const NAME_WIDTH: f32 = 116.0;
+
 /// What the editors keep for themselves.
 #[derive(Default)]
 pub struct State {
@@ -125,7 +128,12 @@ fn contents(ui: &mut Ui, workspace: &mut Workspace) {
             colors::show(ui, &mut state.colors, &function, counts.as_deref(), &mut edit);
         });
     });
+    let is_over = edit.end && ui.input(|i| i.key_pressed(egui::Key::Escape));
+    edit.end &= !is_over;
     apply(workspace, edit);
+    if is_over && let Some(document) = &mut workspace.document {
+        document.abandon_gesture();
+    }
 }
 
 /// Puts an edit into the document.
@@ -210,7 +218,12 @@ fn toolbar(ui: &mut Ui, workspace: &mut Workspace, function: Option<&TransferFun
         ui.set_min_height(30.0);
         if let Some(document) = &mut workspace.document {
             let settings = &mut document.seen.settings;
-            ui.label(RichText::new(title(&settings.opacity.transfer)).strong());
+            // As wide whatever the name is: the buttons beside it stay where they are.
+            let name = egui::Label::new(RichText::new(title(&settings.opacity.transfer)).strong()).truncate();
+            ui.allocate_ui_with_layout(vec2(NAME_WIDTH, 30.0), Layout::left_to_right(egui::Align::Center), |ui| {
+                ui.set_min_width(NAME_WIDTH);
+                ui.add(name);
+            });
             ui.separator();
             wanted = presets::show(ui, &mut workspace.layout.editors.presets, &settings.opacity.transfer);
             ui.separator();

@@ -209,6 +209,25 @@ fn escape_puts_a_drag_back() {
 }
 
 #[test]
+fn escape_leaves_a_function_its_name() {
+    let named = TransferSource::Named("pellucid".to_owned());
+    let mut window = window(named.clone());
+    let from = at(&window, "Opacity point 2");
+    window.event(Event::PointerMoved(from));
+    button(&mut window, from, true, Modifiers::NONE);
+    window.event(Event::PointerMoved(from + vec2(4.0, -20.0)));
+    window.step();
+    assert_ne!(source(&window), named);
+    window.key_press(Key::Escape);
+    window.step();
+    assert_eq!(source(&window), named);
+    button(&mut window, from, false, Modifiers::NONE);
+    window.run();
+    assert_eq!(source(&window), named);
+    assert!(!undo(&mut window), "there is nothing to take back");
+}
+
+#[test]
 fn keys_walk_nudge_and_delete() {
     let mut window = inline();
     window.get_by_label("Opacity point 1").focus();

@@ -1,6 +1,6 @@
 //! The menus.
 
-use egui::{Button, MenuBar, Ui};
+use egui::{Button, Label, MenuBar, RichText, ScrollArea, Ui};
 
 use crate::app::camera::{self, Habits};
 use crate::app::command_line;
@@ -19,20 +19,21 @@ const SCALES: [f32; 6] = [0.8, 0.9, 1.0, 1.25, 1.5, 2.0];
 /// The bar with all menus, and what file is open.
 pub fn show(ui: &mut Ui, workspace: &mut Workspace) {
     MenuBar::new().ui(ui, |ui| {
-        ui.menu_button("File", |ui| file(ui, workspace));
-        ui.menu_button("Edit", |ui| edit(ui, workspace));
-        ui.menu_button("View", |ui| view(ui, workspace));
-        ui.menu_button("Parts", |ui| parts(ui, workspace));
-        ui.menu_button("Look", |ui| look(ui, workspace));
-        ui.menu_button("Help", |ui| {
-            if item(ui, "Keyboard and mouse", "F1") {
-                workspace.layout.shortcuts = true;
-            }
-        });
+        type Contents = fn(&mut Ui, &mut Workspace);
+        let menus: [(&str, Contents); 6] =
+            [("File", file), ("Edit", edit), ("View", view), ("Parts", parts), ("Look", look), ("Help", help)];
+        for (name, contents) in menus {
+            ui.menu_button(name, |ui| {
+                // In a low window, or under a large interface, they are scrolled.
+                let most = ui.ctx().content_rect().height() - 60.0;
+                ScrollArea::vertical().max_height(most.max(80.0)).show(ui, |ui| contents(ui, workspace));
+            });
+        }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             if let Some(document) = &workspace.document {
                 let name = document.file.rsplit(['/', '\\']).next().unwrap_or(&document.file);
-                ui.weak(name).on_hover_text(&document.file);
+                let name = Label::new(RichText::new(name).weak()).truncate();
+                ui.add(name).on_hover_text(&document.file);
             }
         });
     });
@@ -40,6 +41,23 @@ pub fn show(ui: &mut Ui, workspace: &mut Workspace) {
 
 fn item(ui: &mut Ui, text: &str, keys: &str) -> bool {
     ui.add(Button::new(text).shortcut_text(keys)).clicked()
+}
+
+fn help(ui: &mut Ui, workspace: &mut Workspace) {
+    if item(ui, "Keyboard and mouse", "F1") {
+        workspace.layout.shortcuts = true;
+    }
+}
+
+/// Makes the interface one size larger or smaller, or gives it the usual one.
+pub fn resize(workspace: &mut Workspace, by: i32) {
+    let now = SCALES.iter().position(|s| *s >= workspace.preferences.scale).unwrap_or(SCALES.len() - 1);
+    workspace.preferences.scale = match by {
+        0 => 1.0,
+        by => SCALES[now.saturating_add_signed(by as isize).min(SCALES.len() - 1)],
+    };
+    workspace.asks.push(Ask::Restyle);
+    workspace.asks.push(Ask::Remember);
 }
 
 fn file(ui: &mut Ui, workspace: &mut Workspace) {

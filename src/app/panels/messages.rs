@@ -1,5 +1,7 @@
 //! What is said, on the picture: what is being opened, errors, notices, and what to do when there is nothing to see.
 
+use std::path::Path;
+
 use egui::{Align2, Area, Color32, Frame, Id, Rect, RichText, Ui, vec2};
 
 use crate::app::dialogs::Choice;
@@ -67,7 +69,13 @@ pub fn prompt(ui: &mut Ui, workspace: &mut Workspace) {
             if !line.has_focus() && !entered {
                 line.request_focus();
             }
+            let replaces = prompt.replaced.as_deref() == Some(prompt.path.trim());
+            if replaces {
+                let color = ui.visuals().warn_fg_color;
+                ui.colored_label(color, "There is a file of that name. It would be replaced.");
+            }
             let word = match prompt.choice {
+                _ if replaces => "Replace",
                 Choice::Open => "Open",
                 Choice::ImportTransfer => "Import",
                 Choice::ExportTransfer | Choice::Export => "Export",
@@ -77,6 +85,12 @@ pub fn prompt(ui: &mut Ui, workspace: &mut Workspace) {
         });
     if ui.input(|i| i.key_pressed(egui::Key::Escape)) {
         open = false;
+    }
+    // The desktop's own dialog asks as well.
+    let path = prompt.path.trim();
+    if done && prompt.choice.writes() && prompt.replaced.as_deref() != Some(path) && Path::new(path).is_file() {
+        prompt.replaced = Some(path.to_owned());
+        return;
     }
     if done {
         workspace.asks.push(Ask::Use { choice: prompt.choice, path: prompt.path.clone(), typed: true });

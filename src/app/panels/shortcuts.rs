@@ -9,6 +9,7 @@ use crate::app::workspace::Workspace;
 pub const KEYS: &[(&str, &str)] = &[
     ("Ctrl+O", "Open a file; or drop one on the window"),
     ("Ctrl+Z, Ctrl+Shift+Z or Ctrl+Y", "Undo, redo"),
+    ("Ctrl++, Ctrl+-, Ctrl+0", "Larger or smaller interface, usual size"),
     ("1, 3, 7, 9", "Front, right, top, isometric"),
     ("Ctrl+1, 3, 7, 9", "The same from the other side"),
     ("5", "Perspective or parallel"),
@@ -87,13 +88,17 @@ pub fn show(ui: &mut Ui, workspace: &mut Workspace) {
         .show(ui.ctx(), |ui| {
             let mouse = mouse(workspace.preferences.mouse);
             // Side by side, or a small window does not hold them.
-            ui.horizontal_top(|ui| {
-                list(ui, "keys", KEYS);
-                ui.separator();
-                ui.vertical(|ui| {
-                    list(ui, "mouse", &mouse);
+            let room = ui.ctx().content_rect().size() - egui::vec2(30.0, 70.0);
+            let area = egui::ScrollArea::both().max_width(room.x).max_height(room.y);
+            area.show(ui, |ui| {
+                ui.horizontal_top(|ui| {
+                    list(ui, "keys", KEYS);
                     ui.separator();
-                    list(ui, "handles", HANDLES);
+                    ui.vertical(|ui| {
+                        list(ui, "mouse", &mouse);
+                        ui.separator();
+                        list(ui, "handles", HANDLES);
+                    });
                 });
             });
         });

@@ -60,7 +60,7 @@ fn hover(ui: &Ui, picture: Rect, workspace: &Workspace) {
     let (Some(picked), Some(document)) = (&workspace.hover, &workspace.document) else {
         return;
     };
-    if picked.layers.is_empty() {
+    if picked.layers.is_empty() || workspace.layout.prompt.is_some() {
         return;
     }
     let at = place(picture, picked, ui.ctx().pixels_per_point().recip()) + vec2(16.0, 14.0);
@@ -72,7 +72,8 @@ fn hover(ui: &Ui, picture: Rect, workspace: &Workspace) {
             let selected = &document.seen.arrangement.selected;
             for line in all.iter().take(MOST_LINES) {
                 let text = RichText::new(text_of(line, document)).small();
-                ui.label(if selected.contains(&line.part) { text.strong() } else { text });
+                let text = if selected.contains(&line.part) { text.strong() } else { text };
+                ui.add(egui::Label::new(text).extend());
             }
             if all.len() > MOST_LINES {
                 ui.weak(RichText::new(format!("{} more", all.len() - MOST_LINES)).small());

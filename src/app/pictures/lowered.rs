@@ -8,7 +8,8 @@
 //! [`IllustrativeSettings::scaled`]: crate::settings::IllustrativeSettings::scaled
 //! The paper's forms that fail stay as they are: one looks at them to see them fail.
 
-use crate::settings::{LengthUnit, PrintedForm, Settings};
+use crate::settings::{BaseOpacity, LengthUnit, OpacityModel, PrintedForm, Settings};
+use crate::transfer::TransferFunction;
 
 /// How wide the opaque line at a silhouette and the clear one behind it are, about, pixels of the exact picture.
 const LINE: f64 = 2.0;
@@ -33,9 +34,52 @@ pub fn lowered(settings: &Settings, divisor: f64) -> Settings {
     lowered
 }
 
+/// The opacity that stands in for one by curvature, at least: what is seen is to be turned.
+const LEAST_SHELL: f64 = 0.06;
+/// At most: what lies behind is to be seen.
+const MOST_SHELL: f64 = 0.45;
+
+/// The settings with which a simpler model lets through about as much as the model itself. Its facets are sharp where the model
+/// is smooth, so that opacity by curvature would make it solid; it is given that of flat surfaces everywhere.
+pub fn see_through(settings: &Settings, transfer: &TransferFunction) -> Settings {
+    let mut lowered = settings.clone();
+    let opacity = &mut lowered.opacity;
+    if opacity.base_model() != OpacityModel::Curvature {
+        return lowered;
+    }
+    let sampler = transfer.opacity.sampler();
+    // Over all depths, of what is nearly flat.
+    let depths = 8;
+    let mean =
+        (0..depths).map(|i| sampler.at((f64::from(i) + 0.5) / f64::from(depths), 0.1)).sum::<f64>() / f64::from(depths);
+    opacity.constant = (mean * opacity.gain).clamp(LEAST_SHELL, MOST_SHELL);
+    match opacity.model {
+        OpacityModel::Illustrative => opacity.illustrative.base = BaseOpacity::Constant,
+        _ => opacity.model = OpacityModel::Constant,
+    }
+    lowered
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_simpler_model_is_seen_through_where_curvature_decided() {
+        let transfer = TransferFunction::uniform(0.2);
+        let usual = Settings::default();
+        assert_eq!(usual.opacity.base_model(), OpacityModel::Curvature);
+        let shell = see_through(&usual, &transfer);
+        assert_eq!((shell.opacity.base_model(), shell.opacity.model), (OpacityModel::Constant, usual.opacity.model));
+        assert!((shell.opacity.constant - 0.2).abs() < 1e-9, "{}", shell.opacity.constant);
+        assert_eq!(see_through(&usual, &TransferFunction::uniform(1.0)).opacity.constant, MOST_SHELL);
+        let bare = Settings::from_pairs("opacity.model=curvature opacity.gain=2").unwrap();
+        let shell = see_through(&bare, &transfer);
+        assert_eq!(shell.opacity.model, OpacityModel::Constant);
+        assert!((shell.opacity.constant - 0.4).abs() < 1e-9);
+        let other = Settings::from_pairs("opacity.model=angle_based").unwrap();
+        assert_eq!(see_through(&other, &transfer), other);
+    }
 
     #[test]
     fn widths_on_the_screen_are_those_of_the_picture() {

@@ -101,6 +101,8 @@ pub struct Order {
     pub size: [u32; 2],
     /// In what it differs from the order before.
     change: Change,
+    /// Whether settings and transfer functions are those of the order before.
+    same_settings: bool,
     /// When to begin.
     not_before: Instant,
 }
@@ -278,6 +280,10 @@ impl Pictures {
         self.number += 1;
         let now = Instant::now();
         let change = change(self.asked.as_ref(), (scene_number, seen, &extras));
+        let before = self.asked.as_ref().filter(|o| o.scene_number == scene_number);
+        let same_settings =
+            before.is_none_or(|o| o.seen.settings == seen.settings && o.extras.transfer == extras.transfer);
+        let only_selected = before.is_some_and(|o| only_selected(o, seen, &extras, size));
         let fast = self.exact_time.is_some_and(|(of, ms)| of == scene_number && ms <= TARGET);
         let order = Order {
             number: self.number,
@@ -287,10 +293,13 @@ impl Pictures {
             extras,
             size,
             change,
+            same_settings,
             not_before: now,
         };
-        self.exact.post(Order { not_before: if fast { now } else { now + STILL }, ..order.clone() });
-        if !fast {
+        // For an outline alone the exact picture is worth waiting for: a preview would hide it.
+        let at_once = fast || only_selected;
+        self.exact.post(Order { not_before: if at_once { now } else { now + STILL }, ..order.clone() });
+        if !at_once {
             self.preview.post(order.clone());
         }
         self.asked = Some(order);
@@ -390,6 +399,13 @@ fn change(old: Option<&Order>, (scene_number, seen, extras): (u64, &Seen, &Extra
     } else {
         Change::Whole
     }
+}
+
+/// Whether an order differs from the one before in what is selected, and in nothing else.
+fn only_selected(before: &Order, seen: &Seen, extras: &Extras, size: [u32; 2]) -> bool {
+    let mut then = before.seen.clone();
+    then.arrangement.selected.clone_from(&seen.arrangement.selected);
+    before.size == size && then == *seen && before.extras == *extras
 }
 
 /// Whether a picture is worth showing after the one that is shown: of a newer order, or the exact one of the same.

@@ -7,7 +7,7 @@ use std::sync::mpsc::Sender;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use super::lowered::lowered;
+use super::lowered::{lowered, see_through};
 use super::pace::{Change, Paces};
 use super::simplify::simplified;
 use super::{Counted, Delivery, Extras, Fault, Kind, Order, PickOrder, Picked, Picture, STILL, Wish};
@@ -131,6 +131,7 @@ impl Worker {
         let mut slot = lock(&self.desk.slot);
         if let Some(passed_over) = &slot.order {
             order.change = order.change.and(passed_over.change);
+            order.same_settings &= passed_over.same_settings;
         }
         self.desk.cancel.store(self.kind == Kind::Exact || slot.ahead_at_work, Ordering::Relaxed);
         slot.order = Some(order);
@@ -710,7 +711,14 @@ impl Studio {
                 let is_light = |a: &Ahead| order.change == Change::Light && a.viewport == order.size;
                 let ahead = ahead.filter(is_light).and_then(|a| a.at(paced));
                 let size = ahead.map_or(paced, |a| a.size);
-                (lowered(&order.seen.settings, divisor(order.size, size)), size, ahead, size == paced)
+                let settings = lowered(&order.seen.settings, divisor(order.size, size));
+                let is_simpler = bench.scene.as_ref().is_some_and(|s| !Arc::ptr_eq(&s.source, &order.scene));
+                // While settings are changed, what they do is shown, for better or worse.
+                let settings = match &order.extras.transfer {
+                    Some(transfer) if is_simpler && order.same_settings => see_through(&settings, transfer),
+                    _ => settings,
+                };
+                (settings, size, ahead, size == paced)
             }
         };
         if ahead.is_some()

@@ -12,6 +12,7 @@ use crate::app::camera::{Button, Held};
 use crate::app::exports::{Exporting, Job};
 use crate::app::hand::WHEEL_RESTS;
 use crate::app::models;
+use crate::app::panels::style;
 use crate::app::pictures::{PickOrder, Wish};
 use crate::app::workspace::{Ask, Gravity};
 use crate::app::{config, dialogs, keys};
@@ -37,6 +38,7 @@ impl Shell {
                 Ask::CancelLoading => self.loading = None,
                 Ask::Copy(text) => self.context.copy_text(text),
                 Ask::Redraw => {}
+                Ask::Restyle => style::apply(&self.context, &self.workspace.preferences),
                 Ask::Pick(pixel, wish) => self.pick(pixel, wish),
                 Ask::Export(path) => self.export(&path),
                 Ask::DrawModels => {

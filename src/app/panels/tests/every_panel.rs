@@ -180,7 +180,7 @@ fn messages_tell_how_far_loading_is_and_let_it_be_called_off() {
 #[test]
 fn a_path_that_is_of_no_use_is_asked_for_again() {
     let mut window = harness(workspace("stack"));
-    window.state_mut().layout.prompt = Some(Prompt { choice: Choice::SaveSession, path: String::new() });
+    window.state_mut().layout.prompt = Some(Prompt::new(Choice::SaveSession, ""));
     window.run();
     type_into(&mut window, "Path", "/no/such/folder/a.toml");
     click(&mut window, "Save");
@@ -188,12 +188,75 @@ fn a_path_that_is_of_no_use_is_asked_for_again() {
         panic!("nothing was asked for");
     };
     dialogs::fulfil(window.state_mut(), choice, &path, typed);
-    let kept = Prompt { choice: Choice::SaveSession, path: "/no/such/folder/a.toml".to_owned() };
+    let kept = Prompt::new(Choice::SaveSession, "/no/such/folder/a.toml");
     assert_eq!(window.state().layout.prompt, Some(kept));
     // The desktop's dialog has let its path go; it is not replaced by a line to type into.
     window.state_mut().layout.prompt = None;
     dialogs::fulfil(window.state_mut(), choice, &path, false);
     assert_eq!(window.state().layout.prompt, None);
+}
+
+#[test]
+fn a_file_that_is_there_is_replaced_only_when_told_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("there.toml");
+    std::fs::write(&path, "old").unwrap();
+    let path = path.to_string_lossy().into_owned();
+    let mut window = harness(workspace("stack"));
+    window.state_mut().layout.prompt = Some(Prompt::new(Choice::SaveSession, ""));
+    window.run();
+    type_into(&mut window, "Path", &path);
+    click(&mut window, "Save");
+    assert!(window.state().asks.is_empty());
+    window.get_by_label("There is a file of that name. It would be replaced.");
+    click(&mut window, "Replace");
+    assert_eq!(window.state().asks, [Ask::Use { choice: Choice::SaveSession, path, typed: true }]);
+    assert!(window.state().layout.prompt.is_none());
+}
+
+#[test]
+fn nothing_is_written_over_the_open_model_or_under_a_false_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let model = folder.path().join("own.toml");
+    std::fs::write(&model, "a model").unwrap();
+    let mut open = workspace("stack");
+    open.document.as_mut().unwrap().file = model.to_string_lossy().into_owned();
+    let other = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+    for (choice, path) in [
+        (Choice::SaveSession, model.to_string_lossy().into_owned()),
+        (Choice::ExportTransfer, model.to_string_lossy().into_owned()),
+        (Choice::SaveSession, other("a.glb")),
+        (Choice::SavePicture, other("a.jpg")),
+    ] {
+        dialogs::fulfil(&mut open, choice, &path, false);
+        assert_eq!(open.messages.pop().map(|m| m.gravity), Some(Gravity::Error), "{path}");
+    }
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    assert_eq!(std::fs::read_to_string(&model).unwrap(), "a model");
+}
+
+#[test]
+fn the_interface_is_made_larger_and_smaller_by_keys() {
+    let mut window = workspace("stack");
+    let scales = [1, 1, 1, 1, -1, 0, -1, -1, -1].map(|by| {
+        crate::app::panels::menu::resize(&mut window, by);
+        window.preferences.scale
+    });
+    assert_eq!(scales, [1.25, 1.5, 2.0, 2.0, 1.5, 1.0, 0.9, 0.8, 0.8]);
+    assert!(window.asks.contains(&Ask::Restyle) && window.asks.contains(&Ask::Remember));
+}
+
+#[test]
+fn in_a_low_window_menus_are_scrolled() {
+    let mut window = sized(egui::vec2(1280.0, 300.0), workspace("stack"));
+    window.get_by_role_and_label(Role::Button, "View").click();
+    window.run();
+    let bottom = window.get_by_label_contains("Mouse as in").rect().bottom();
+    assert!(bottom > 300.0, "{bottom}: there is something to scroll to");
+    window.get_by_label_contains("Mouse as in").scroll_to_me();
+    window.run();
+    let bottom = window.get_by_label_contains("Mouse as in").rect().bottom();
+    assert!(bottom < 300.0, "{bottom}");
 }
 
 #[test]
@@ -278,7 +341,7 @@ fn in_a_low_window_the_parts_lie_on_nothing_else() {
 fn messages_ask_for_a_path_where_there_is_no_dialog() {
     for (choice, word) in [(Choice::SaveSession, "Save"), (Choice::Open, "Open"), (Choice::ImportTransfer, "Import")] {
         let mut window = harness(workspace("stack"));
-        window.state_mut().layout.prompt = Some(Prompt { choice, path: "old".to_owned() });
+        window.state_mut().layout.prompt = Some(Prompt::new(choice, "old"));
         window.run();
         type_into(&mut window, "Path", "/tmp/new.toml");
         click(&mut window, word);

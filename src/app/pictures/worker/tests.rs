@@ -21,7 +21,17 @@ fn order(number: u64) -> Order {
     let camera = camera::first(&scene.bounds(), 1.5);
     let seen = Seen { settings: Settings::default(), camera, arrangement: Arrangement::default() };
     let (size, change, not_before) = ([48, 32], Change::Whole, Instant::now());
-    Order { number, scene, scene_number: 1, seen, extras: Extras::default(), size, change, not_before }
+    Order {
+        number,
+        scene,
+        scene_number: 1,
+        seen,
+        extras: Extras::default(),
+        size,
+        change,
+        same_settings: false,
+        not_before,
+    }
 }
 
 /// The pixel in the middle of the same view.
