@@ -410,7 +410,8 @@ impl Desk {
         let found =
             Command::new("xdotool").args(["search", "--name", "Pellucid"]).env("DISPLAY", &self.display).output();
         let found = String::from_utf8(found.unwrap().stdout).unwrap();
-        let window = found.lines().next().and_then(|l| l.trim().parse().ok()).unwrap();
+        let window = found.lines().next().and_then(|l| l.trim().parse().ok());
+        let window = window.unwrap_or_else(|| panic!("there is no window any more:\n{}", self.tail()));
         drop_source::drop_file(&self.display, window, path).unwrap();
     }
 

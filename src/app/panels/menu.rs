@@ -16,6 +16,25 @@ use crate::tradeoff::hard_cases;
 /// Sizes of the interface that are offered.
 const SCALES: [f32; 6] = [0.8, 0.9, 1.0, 1.25, 1.5, 2.0];
 
+/// Height of the longest menu, about, points.
+const LONGEST: f32 = 540.0;
+
+/// Whether a menu may be higher than the window, or than what a large interface leaves of it. Then it is scrolled.
+fn is_low(ui: &Ui) -> bool {
+    ui.ctx().content_rect().height() < LONGEST
+}
+
+/// A menu in a menu. Egui opens none inside of what is scrolled: there, it is part of the menu.
+fn submenu(ui: &mut Ui, title: &str, contents: impl FnOnce(&mut Ui)) {
+    if is_low(ui) {
+        ui.separator();
+        ui.weak(title);
+        contents(ui);
+    } else {
+        ui.menu_button(title, contents);
+    }
+}
+
 /// The bar with all menus, and what file is open.
 pub fn show(ui: &mut Ui, workspace: &mut Workspace) {
     MenuBar::new().ui(ui, |ui| {
@@ -24,9 +43,12 @@ pub fn show(ui: &mut Ui, workspace: &mut Workspace) {
             [("File", file), ("Edit", edit), ("View", view), ("Parts", parts), ("Look", look), ("Help", help)];
         for (name, contents) in menus {
             ui.menu_button(name, |ui| {
-                // In a low window, or under a large interface, they are scrolled.
-                let most = ui.ctx().content_rect().height() - 60.0;
-                ScrollArea::vertical().max_height(most.max(80.0)).show(ui, |ui| contents(ui, workspace));
+                if is_low(ui) {
+                    let most = (ui.ctx().content_rect().height() - 60.0).max(80.0);
+                    ScrollArea::vertical().max_height(most).show(ui, |ui| contents(ui, workspace));
+                } else {
+                    contents(ui, workspace);
+                }
             });
         }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
@@ -66,7 +88,7 @@ fn file(ui: &mut Ui, workspace: &mut Workspace) {
     }
     let recent = workspace.preferences.recent.clone();
     ui.add_enabled_ui(!recent.is_empty(), |ui| {
-        ui.menu_button("Open recent", |ui| {
+        submenu(ui, "Open recent", |ui| {
             for file in &recent {
                 let name = file.rsplit(['/', '\\']).next().unwrap_or(file);
                 if ui.button(name).on_hover_text(file).clicked() {
@@ -75,7 +97,7 @@ fn file(ui: &mut Ui, workspace: &mut Workspace) {
             }
         });
     });
-    ui.menu_button("Built-in models", |ui| {
+    submenu(ui, "Built-in models", |ui| {
         egui::ScrollArea::vertical().max_height(420.0).show(ui, |ui| {
             for scene in builtin::names() {
                 if ui.button(scene.name).on_hover_text(scene.description).clicked() {
@@ -84,7 +106,7 @@ fn file(ui: &mut Ui, workspace: &mut Workspace) {
             }
         });
     });
-    ui.menu_button("Hard cases", |ui| {
+    submenu(ui, "Hard cases", |ui| {
         egui::ScrollArea::vertical().max_height(420.0).show(ui, |ui| {
             for (_, case) in hard_cases::all() {
                 if ui.button(case.name).on_hover_text(case.why).clicked() {
@@ -215,7 +237,7 @@ fn view(ui: &mut Ui, workspace: &mut Workspace) {
         if item(ui, "Middle where it turns", "C") {
             selection::centre_pivot(workspace);
         }
-        ui.menu_button("Saved views", |ui| views::menu(ui, workspace));
+        submenu(ui, "Saved views", |ui| views::menu(ui, workspace));
         if item(ui, "Save this view…", "Ctrl+D") {
             views::ask(workspace);
         }
@@ -238,17 +260,17 @@ fn view(ui: &mut Ui, workspace: &mut Workspace) {
     }
     ui.checkbox(&mut preferences.editors, "Transfer functions");
     ui.checkbox(&mut preferences.hover, "Parts under the cursor");
-    ui.menu_button("Theme", |ui| {
+    submenu(ui, "Theme", |ui| {
         for (theme, name) in [(Theme::System, "As the desktop"), (Theme::Dark, "Dark"), (Theme::Light, "Light")] {
             ui.radio_value(&mut preferences.theme, theme, name);
         }
     });
-    ui.menu_button("Size of the interface", |ui| {
+    submenu(ui, "Size of the interface", |ui| {
         for scale in SCALES {
             ui.radio_value(&mut preferences.scale, scale, format!("{:.0} %", scale * 100.0));
         }
     });
-    ui.menu_button("Mouse as in", |ui| {
+    submenu(ui, "Mouse as in", |ui| {
         for (habits, name) in Habits::ALL {
             ui.radio_value(&mut preferences.mouse, habits, name);
         }

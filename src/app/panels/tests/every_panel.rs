@@ -253,10 +253,12 @@ fn in_a_low_window_menus_are_scrolled() {
     window.run();
     let bottom = window.get_by_label_contains("Mouse as in").rect().bottom();
     assert!(bottom > 300.0, "{bottom}: there is something to scroll to");
-    window.get_by_label_contains("Mouse as in").scroll_to_me();
+    window.get_by_label("Blender").scroll_to_me();
     window.run();
-    let bottom = window.get_by_label_contains("Mouse as in").rect().bottom();
+    let bottom = window.get_by_label("Blender").rect().bottom();
     assert!(bottom < 300.0, "{bottom}");
+    click(&mut window, "Blender");
+    assert_eq!(window.state().preferences.mouse, Habits::Blender);
 }
 
 #[test]
