@@ -407,11 +407,15 @@ impl Desk {
 
     /// Drops a file on the window, as a file manager does.
     pub fn drop_file(&self, path: &Path) {
-        let found =
-            Command::new("xdotool").args(["search", "--name", "Pellucid"]).env("DISPLAY", &self.display).output();
-        let found = String::from_utf8(found.unwrap().stdout).unwrap();
-        let window = found.lines().next().and_then(|l| l.trim().parse().ok());
-        let window = window.unwrap_or_else(|| panic!("there is no window any more:\n{}", self.tail()));
+        let search = || {
+            let found =
+                Command::new("xdotool").args(["search", "--name", "Pellucid"]).env("DISPLAY", &self.display).output();
+            let found = String::from_utf8(found.unwrap().stdout).unwrap();
+            found.lines().next().and_then(|l| l.trim().parse().ok())
+        };
+        // A search ends with an error where a window goes while it looks, as that of an earlier drop may.
+        let window =
+            (0..10).find_map(|_| search()).unwrap_or_else(|| panic!("there is no window any more:\n{}", self.tail()));
         drop_source::drop_file(&self.display, window, path).unwrap();
     }
 

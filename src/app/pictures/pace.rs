@@ -9,6 +9,8 @@
 pub const DIVISORS: [f64; 10] = [1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0];
 /// What a preview may take in any case for which only light and opacity are computed, milliseconds.
 const LEAST_LIGHT: f64 = 24.0;
+/// How much longer a preview of another view may take.
+const VIEW: f64 = 1.75;
 /// How much of its target a finer preview may be expected to take. Where layers are kept, another size captures them anew: what
 /// is gained has to be worth it, and must not be lost again at the next slow picture.
 const MARGIN: f64 = 0.85;
@@ -59,7 +61,7 @@ impl Paces {
     pub fn new(target: f64) -> Paces {
         let pace = Pace::new(target);
         Paces {
-            view: pace.clone(),
+            view: Pace::new(VIEW * target),
             light: Pace { margin: MARGIN_LIGHT, patience: PATIENCE_LIGHT, ..pace.clone() },
             whole: pace,
         }
