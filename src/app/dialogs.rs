@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use winit::window::Window;
 
 use super::editors;
-use super::workspace::{Ask, Gravity, Prompt, Workspace};
+use super::workspace::{Ask, Gravity, Workspace};
 use crate::export::png::png_of_rgba8;
 use crate::transfer::Format;
 
@@ -55,6 +55,24 @@ impl Choice {
             Choice::SaveSession | Choice::ImportTransfer | Choice::ExportTransfer => "toml",
             Choice::SavePicture | Choice::Export => "png",
         }
+    }
+}
+
+/// A path that is asked for in the window.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Prompt {
+    /// What for.
+    pub choice: Choice,
+    /// As typed so far.
+    pub path: String,
+    /// A file that is there and would be replaced, of which was told.
+    pub replaced: Option<String>,
+}
+
+impl Prompt {
+    /// Beginning with this path.
+    pub fn new(choice: Choice, path: &str) -> Prompt {
+        Prompt { choice, path: path.to_owned(), replaced: None }
     }
 }
 

@@ -14,14 +14,14 @@ use winit::keyboard::{Key, KeyCode, NamedKey, PhysicalKey, SmolStr};
 
 use super::camera::{self, Button, Held};
 use super::config::Preferences;
-use super::dialogs::{self, Choice};
+use super::dialogs::{self, Choice, Prompt};
 use super::document::Seen;
 use super::hand::Hand;
 use super::loader::Loading;
 use super::panels::{self, style};
 use super::pictures::{Picked, Wish};
 use super::planted::{self, Fault};
-use super::workspace::{Ask, Prompt, Workspace};
+use super::workspace::{Ask, Workspace};
 use super::{exports, keys};
 use crate::export::glb::write_glb;
 use crate::plan::Capabilities;

@@ -23,7 +23,7 @@ use winit::window::{Window, WindowId};
 
 use super::AppError;
 use super::config::{self, Preferences};
-use super::dialogs::{self, Choice, Chosen};
+use super::dialogs::{self, Choice, Chosen, Prompt};
 use super::exports::Exporting;
 use super::hand::Hand;
 use super::loader::Loading;
@@ -32,7 +32,7 @@ use super::panels::style;
 use super::pictures::{Delivery, Kind, Pictures, supersedes};
 use super::surface::Surface;
 use super::watch::{Watch, Workshop};
-use super::workspace::{Gravity, Prompt, Workspace};
+use super::workspace::{Gravity, Workspace};
 use crate::session::configuration::Configuration;
 
 /// Most that frames that follow the mouse are held back.

@@ -11,7 +11,7 @@ use super::accuracy::{Accuracy, Wanted};
 use super::camera::{self, Frame};
 use super::compare::{Compare, PictureOfA};
 use super::config::Preferences;
-use super::dialogs::Choice;
+use super::dialogs::{Choice, Prompt};
 use super::document::{Document, Seen};
 use super::editors;
 use super::functions::{Functions, Resolved};
@@ -146,24 +146,6 @@ impl Viewport {
     /// The same, as gestures measure it.
     pub fn frame(self) -> Frame {
         Frame { size: DVec2::from(self.size.map(f64::from)) }
-    }
-}
-
-/// A path that is asked for in the window.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Prompt {
-    /// What for.
-    pub choice: Choice,
-    /// As typed so far.
-    pub path: String,
-    /// A file that is there and would be replaced, of which was told.
-    pub replaced: Option<String>,
-}
-
-impl Prompt {
-    /// Beginning with this path.
-    pub fn new(choice: Choice, path: &str) -> Prompt {
-        Prompt { choice, path: path.to_owned(), replaced: None }
     }
 }
 

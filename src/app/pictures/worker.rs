@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::Sender;
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, Instant};
+use std::sync::{Arc, Condvar, Mutex};
+use std::time::Instant;
 
 use super::lowered::{lowered, see_through};
 use super::pace::{Change, Paces};
@@ -16,12 +16,16 @@ use crate::app::watch::ShaderTexts;
 use crate::export::image::parse_background;
 use crate::export::png::rgba8;
 use crate::gpu::{Gpu, GpuError, GpuOptions, Timing};
-use crate::plan::Capture;
-use crate::render::{FrameReport, GpuScene, Kept, RenderError, Renderer};
+use crate::render::{FrameReport, Kept, RenderError, Renderer};
 use crate::scene::{Arrangement, Scene};
 
+mod bench;
+mod desk;
 #[cfg(test)]
 mod tests;
+
+use bench::{Ahead, Bench, Uploaded, divisor};
+use desk::{Desk, Work, lock};
 
 /// Triangles of a preview on a software rasterizer.
 const SOFTWARE_TRIANGLES: u64 = 8_000;
@@ -32,37 +36,6 @@ const MOST_AHEAD: u64 = 1_000_000;
 const MOST_REHEARSED: usize = 5;
 /// How long a preview may take to capture the model again that was drawn ahead, milliseconds.
 const LONGEST_AGAIN: f64 = 400.0;
-/// How long the next preview waits for the window to show the last one, at most.
-const LONGEST_SHOWING: Duration = Duration::from_millis(80);
-
-#[derive(Default)]
-struct Slot {
-    order: Option<Order>,
-    pick: Option<PickOrder>,
-    /// For when there is nothing else.
-    hover: Option<PickOrder>,
-    /// The same, of what is shown.
-    ahead: Option<Order>,
-    /// Something is being drawn that will be shown.
-    at_work: bool,
-    /// Something is being drawn ahead.
-    ahead_at_work: bool,
-    /// The window is showing the last preview: until then the next one waits.
-    shut_until: Option<Instant>,
-    closed: bool,
-}
-
-/// What the window's thread and the worker share.
-struct Desk {
-    slot: Mutex<Slot>,
-    posted: Condvar,
-    /// Raised while the picture at work is no longer wanted.
-    cancel: Arc<AtomicBool>,
-}
-
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
 
 /// A thread that draws.
 pub struct Worker {
@@ -203,219 +176,6 @@ impl Drop for Worker {
         {
             tracing::error!("the thread of the {} picture ended badly", self.kind.name());
         }
-    }
-}
-
-impl Desk {
-    /// Waits for the newest order and for its time to come; `None` when the window closes.
-    fn next(&self) -> Option<Work> {
-        let mut slot = lock(&self.slot);
-        loop {
-            if slot.closed {
-                return None;
-            }
-            if let Some(pick) = slot.pick.take() {
-                self.cancel.store(false, Ordering::Relaxed);
-                return Some(Work::Pick(Box::new(pick)));
-            }
-            if slot.order.is_none()
-                && let Some(hover) = slot.hover.take()
-            {
-                self.cancel.store(false, Ordering::Relaxed);
-                return Some(Work::Pick(Box::new(hover)));
-            }
-            if slot.order.is_none()
-                && let Some(ahead) = slot.ahead.take()
-            {
-                self.cancel.store(false, Ordering::Relaxed);
-                slot.ahead_at_work = true;
-                return Some(Work::Ahead(Box::new(ahead)));
-            }
-            let begin = slot.order.as_ref().map(|o| slot.shut_until.map_or(o.not_before, |at| at.max(o.not_before)));
-            let wait = begin.map(|at| at.saturating_duration_since(Instant::now()));
-            slot = match wait {
-                None => self.posted.wait(slot).unwrap_or_else(PoisonError::into_inner),
-                Some(left) if !left.is_zero() => {
-                    self.posted.wait_timeout(slot, left).unwrap_or_else(PoisonError::into_inner).0
-                }
-                Some(_) => {
-                    self.cancel.store(false, Ordering::Relaxed);
-                    slot.shut_until = None;
-                    slot.at_work = true;
-                    return slot.order.take().map(|order| Work::Draw(Box::new(order)));
-                }
-            };
-        }
-    }
-
-    /// A picture is drawn and will be delivered.
-    fn finished(&self, kind: Kind) {
-        let mut slot = lock(&self.slot);
-        slot.at_work = false;
-        slot.shut_until = (kind == Kind::Preview).then(|| Instant::now() + LONGEST_SHOWING);
-    }
-
-    /// Nothing is being drawn.
-    fn rest(&self) {
-        let mut slot = lock(&self.slot);
-        (slot.at_work, slot.ahead_at_work) = (false, false);
-    }
-
-    /// Waits whether there is nothing newer to do for so long.
-    fn stays_idle(&self, duration: Duration) -> bool {
-        let until = Instant::now() + duration;
-        let mut slot = lock(&self.slot);
-        loop {
-            if slot.order.is_some() || slot.pick.is_some() || slot.closed {
-                return false;
-            }
-            let left = until.saturating_duration_since(Instant::now());
-            if left.is_zero() {
-                return true;
-            }
-            slot = self.posted.wait_timeout(slot, left).unwrap_or_else(PoisonError::into_inner).0;
-        }
-    }
-
-    /// Whether there is nothing newer to do.
-    fn is_idle(&self) -> bool {
-        let slot = lock(&self.slot);
-        slot.order.is_none() && slot.pick.is_none() && !slot.closed
-    }
-
-    /// Puts back an order that was given up only for a pick.
-    fn take_back(&self, order: Order) {
-        let mut slot = lock(&self.slot);
-        if slot.pick.is_some() && slot.order.is_none() {
-            slot.order = Some(order);
-        }
-    }
-}
-
-/// What the thread does next.
-enum Work {
-    Draw(Box<Order>),
-    Pick(Box<PickOrder>),
-    Ahead(Box<Order>),
-}
-
-/// A device with a scene on it.
-struct Bench {
-    renderer: Renderer,
-    software: bool,
-    scene: Option<Uploaded>,
-    /// The model itself, where the scene is a simpler one and something was drawn ahead.
-    model: Option<Uploaded>,
-    /// Set while the layers that the renderer keeps are those of what was drawn ahead.
-    ahead: Option<Ahead>,
-    /// The capture whose sorts are compiled for lists of any length.
-    warm: Option<Capture>,
-}
-
-/// A scene on the device.
-struct Uploaded {
-    number: u64,
-    /// What was uploaded: the model, or a simpler one.
-    source: Arc<Scene>,
-    scene: GpuScene,
-    arrangement: Arrangement,
-}
-
-impl Uploaded {
-    fn new(renderer: &mut Renderer, source: &Arc<Scene>, number: u64) -> Result<Uploaded, RenderError> {
-        let scene = renderer.load(source)?;
-        Ok(Uploaded { number, source: Arc::clone(source), scene, arrangement: Arrangement::default() })
-    }
-
-    fn arrange(&mut self, renderer: &mut Renderer, arrangement: &Arrangement) -> Result<(), RenderError> {
-        if self.arrangement != *arrangement {
-            renderer.arrange(&mut self.scene, &self.source, arrangement)?;
-            self.arrangement = arrangement.clone();
-        }
-        Ok(())
-    }
-}
-
-/// How something was drawn ahead.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Ahead {
-    /// Width and height.
-    size: [u32; 2],
-    /// Of which viewport.
-    viewport: [u32; 2],
-    /// What its capture took, and all else.
-    milliseconds: f64,
-}
-
-impl Ahead {
-    /// What becomes of it where previews are to have the size `paced`. Finer ones wait for the next time, because another size
-    /// captures all anew; coarser ones are needed now.
-    fn at(self, paced: [u32; 2]) -> Option<Ahead> {
-        let coarser = paced[0] < self.size[0] || paced[1] < self.size[1];
-        match coarser {
-            false => Some(self),
-            true => (self.milliseconds <= LONGEST_AGAIN).then_some(Ahead { size: paced, ..self }),
-        }
-    }
-}
-
-impl Bench {
-    /// Draws an order at the size that previews of other light have: once to capture its layers, if need be, and twice with
-    /// them. Gives the time of the faster; `None` if there is something else to do, or layers are not kept.
-    fn rehearse(
-        &mut self,
-        order: &Order,
-        pace: &Mutex<Paces>,
-        cancel: &AtomicBool,
-    ) -> Result<Option<f64>, RenderError> {
-        let size = lock(pace).of(Change::Light).size(order.size);
-        let settings = lowered(&order.seen.settings, divisor(order.size, size));
-        let Some(Uploaded { scene, .. }) = self.model.as_ref().or(self.scene.as_ref()) else {
-            return Ok(None);
-        };
-        let mut captured = None;
-        let mut fastest: Option<f64> = None;
-        for _ in 0..3 {
-            // What is there stays there: only a frame that has begun can lose it.
-            if cancel.load(Ordering::Relaxed) {
-                return Ok(None);
-            }
-            let before = self.ahead.take();
-            let begin = Instant::now();
-            // A capture is passes one by one, so that it can be called off between them.
-            let usual = self.renderer.timing;
-            if self.software && before.is_none() && captured.is_none() {
-                self.renderer.timing = Timing::Serial;
-            }
-            let (camera, transfer) = (&order.seen.camera, order.extras.transfer.as_ref());
-            let frame = match transfer {
-                Some(transfer) => self.renderer.render_with(scene, camera, &settings, transfer, size),
-                None => self.renderer.render(scene, camera, &settings, size),
-            };
-            self.renderer.timing = usual;
-            let kept = frame?.report.kept;
-            let milliseconds = begin.elapsed().as_secs_f64() * 1e3;
-            tracing::debug!("ahead {}: {size:?} in {milliseconds:.1} ms, kept: {kept:?}", order.number);
-            if kept == Kept::Features {
-                // Of an earlier rest, perhaps.
-                let milliseconds_then = captured.or(before.map(|b| b.milliseconds)).unwrap_or(milliseconds);
-                let viewport = order.size;
-                self.ahead = Some(Ahead { size, viewport, milliseconds: milliseconds_then });
-                if let Some(first) = fastest {
-                    return Ok(Some(milliseconds.min(first)));
-                }
-                fastest = Some(milliseconds);
-            } else if captured.replace(milliseconds).is_some() {
-                // It leaves no layers behind that could be kept.
-                return Ok(None);
-            }
-        }
-        Ok(None)
-    }
-
-    /// What the renderer keeps layers of.
-    fn drawn(&self) -> Option<&Uploaded> {
-        self.ahead.and(self.model.as_ref()).or(self.scene.as_ref())
     }
 }
 
@@ -759,9 +519,4 @@ impl Studio {
             seen: order.seen.clone(),
         })
     }
-}
-
-/// By how much a preview of this size is coarser than the viewport.
-fn divisor(viewport: [u32; 2], size: [u32; 2]) -> f64 {
-    f64::from(viewport[1].max(1)) / f64::from(size[1].max(1))
 }

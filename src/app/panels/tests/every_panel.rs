@@ -7,11 +7,12 @@ use super::*;
 use crate::app::camera::Habits;
 use crate::app::config::Theme;
 use crate::app::dialogs;
+use crate::app::dialogs::Prompt;
 use crate::app::exports::Form;
 use crate::app::models;
 use crate::app::pictures::Kind;
 use crate::app::viewport::Shown;
-use crate::app::workspace::{LoadingView, OnScreen, Prompt};
+use crate::app::workspace::{LoadingView, OnScreen};
 use crate::import::Phase;
 
 type Window = Harness<'static, Workspace>;
@@ -297,7 +298,7 @@ fn sized(size: egui::Vec2, workspace: Workspace) -> Window {
 }
 
 #[test]
-fn a_small_window_keeps_its_picture_and_says_what_it_left_out() {
+fn room_is_left_for_the_picture_and_what_is_left_out_is_named() {
     let mut window = sized(egui::vec2(1280.0, 800.0), workspace("stack"));
     let picture = |w: &Window| w.state().viewport.size.map(|n| n as f32);
     window.run();
