@@ -188,11 +188,11 @@ pub fn divider(ui: &mut Ui, rect: Rect, line: &Divider<'_>) -> f32 {
             let at = pos2(x, rect.top() + 8.0) + vec2(by, 0.0);
             // What does not fit beside the divider is cut short.
             let room = if by < 0.0 { x - rect.left() } else { rect.right() - x } - 16.0;
-            let mut job = LayoutJob::simple_singleline(word.to_owned(), FontId::proportional(12.5), Color32::WHITE);
-            job.wrap = TextWrapping::truncate_at_width(room);
             if room < 12.0 {
                 continue;
             }
+            let mut job = LayoutJob::simple_singleline(word.to_owned(), FontId::proportional(12.5), Color32::WHITE);
+            job.wrap = TextWrapping::truncate_at_width(room);
             let galley = over.layout_job(job);
             let plate = align.anchor_size(at, galley.size());
             over.rect_filled(plate.expand2(vec2(4.0, 2.0)), 3.0, Color32::from_black_alpha(150));

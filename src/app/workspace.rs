@@ -325,7 +325,7 @@ impl Workspace {
     /// Shows another model: as its session says, or as first seen, with the settings that are there.
     pub fn open(&mut self, file: String, opened: Opened) {
         let Opened { scene, session, case, import } = opened;
-        let present_before = self.document.is_some();
+        let replaces = self.document.is_some();
         let present = self.document.take().map_or_else(|| self.configuration.settings(), |d| d.seen.settings);
         let settings = self.settings_before_case.take().unwrap_or(present);
         if case.is_some() {
@@ -346,7 +346,7 @@ impl Workspace {
         self.end_case();
         self.forget_accuracy();
         // What was wrong with another one is over; what was wrong before any is not.
-        match present_before {
+        match replaces {
             true => self.messages.clear(),
             false => self.messages.retain(|m| m.gravity == Gravity::Error),
         }

@@ -126,7 +126,8 @@ fn the_window_shows_what_the_command_line_draws() {
     compare(&desk, "edited");
     assert!(text(&desk, "edited").contains("points = [") && !text(&desk, "turned").contains("points = ["));
 
-    // Clicks on one pixel go through the parts there: that of the third layer is chosen. What is in the file is asked without the window.
+    // Clicks on one pixel go through the parts there: that of the third layer is chosen. What is in the file is asked
+    // without the window.
     let scene = pellucid::import::load(&second).unwrap();
     let (pixel, third, before) = third_part(&desk, "edited", &scene);
     let at = [x + pixel[0], y + pixel[1]];

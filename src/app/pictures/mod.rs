@@ -5,7 +5,7 @@
 //! drawn one after the other, each of what is newest when it begins, as coarse as [`pace`] finds needed to stay within
 //! the target; on a software rasterizer of fewer triangles too ([`simplify`]), except where only opacity and light change and
 //! the layers of the model itself could be captured while nothing moved. The exact picture is the very one of
-//! `pellucid render`. It begins when nothing has moved for [`STILL`], and is abandoned, between passes, as soon as something
+//! `pellucid render`. It begins when nothing has moved for [`STILL`], or at once for an outline alone, and is abandoned, between passes, as soon as something
 //! does. Where exact pictures are as fast as previews have to be, there are no previews.
 //!
 //! Previews and the window's frames take turns. An input that comes just after a preview has begun waits for that one to be

@@ -24,7 +24,7 @@ mod desk;
 #[cfg(test)]
 mod tests;
 
-use bench::{Ahead, Bench, Uploaded, divisor};
+use bench::{Ahead, Bench, Uploaded, divisor, render};
 use desk::{Desk, Work, lock};
 
 /// Triangles of a preview on a software rasterizer.
@@ -391,11 +391,12 @@ impl Studio {
             if order.scene.triangle_count() > MOST_AHEAD {
                 return Ok(());
             }
-            let model = match bench.model.take() {
-                Some(model) => bench.model.insert(model),
-                None => bench.model.insert(Uploaded::new(&mut bench.renderer, &order.scene, order.scene_number)?),
-            };
-            model.arrange(&mut bench.renderer, &order.seen.arrangement)?;
+            if bench.model.is_none() {
+                bench.model = Some(Uploaded::new(&mut bench.renderer, &order.scene, order.scene_number)?);
+            }
+            if let Some(model) = &mut bench.model {
+                model.arrange(&mut bench.renderer, &order.seen.arrangement)?;
+            }
         }
         let (mut sizes, mut refined, mut may_refine) = (0, false, true);
         // Rehearsed until the size is one that will do: a hand that drags is not to wait for another capture.
@@ -475,7 +476,9 @@ impl Studio {
                 let is_simpler = bench.scene.as_ref().is_some_and(|s| !Arc::ptr_eq(&s.source, &order.scene));
                 // While settings are changed, what they do is shown, for better or worse.
                 let settings = match &order.extras.transfer {
-                    Some(transfer) if is_simpler && order.same_settings => see_through(&settings, transfer),
+                    Some(transfer) if is_simpler && ahead.is_none() && order.same_settings => {
+                        see_through(&settings, transfer)
+                    }
                     _ => settings,
                 };
                 (settings, size, ahead, size == paced)
@@ -489,11 +492,7 @@ impl Studio {
         let Some(Uploaded { scene, .. }) = ahead.and(bench.model.as_ref()).or(bench.scene.as_ref()) else {
             return Err(RenderError::Cancelled);
         };
-        let frame = match &order.extras.transfer {
-            Some(transfer) => bench.renderer.render_with(scene, &order.seen.camera, &settings, transfer, size)?,
-            None => bench.renderer.render(scene, &order.seen.camera, &settings, size)?,
-        };
-        bench.ahead = ahead;
+        let frame = render(&mut bench.renderer, scene, order, &settings, size)?;
         let background = parse_background(&settings.image.background).unwrap_or_default();
         let rgba = rgba8(&frame.image, background);
         let milliseconds = begin.elapsed().as_secs_f64() * 1e3;
@@ -502,8 +501,13 @@ impl Studio {
         // A part of a frame says nothing about how long a whole one takes, nor a whole one about a part.
         let expected = if order.change == Change::Light { Kept::Features } else { Kept::Nothing };
         if is_paced && kept == expected {
-            lock(&pace).of(order.change).measured(milliseconds);
+            let mut paces = lock(&pace);
+            let pace = paces.of(order.change);
+            // Another size of the model itself is another capture: a finer one waits for the next rest.
+            if ahead.is_some() { pace.held(milliseconds) } else { pace.measured(milliseconds) }
         }
+        // Light that asks for other layers has captured them: not once more, if that takes long.
+        bench.ahead = ahead.filter(|a| kept == Kept::Features || a.milliseconds <= LONGEST_AGAIN);
         Ok(Picture {
             number: order.number,
             kind,

@@ -11,8 +11,9 @@ use crate::app::pictures::lowered::lowered;
 use crate::app::pictures::pace::{Change, Paces};
 use crate::gpu::Timing;
 use crate::plan::Capture;
-use crate::render::{GpuScene, Kept, RenderError, Renderer};
+use crate::render::{Frame, GpuScene, Kept, RenderError, Renderer};
 use crate::scene::{Arrangement, Scene};
+use crate::settings::Settings;
 
 /// A device with a scene on it.
 pub(super) struct Bench {
@@ -102,20 +103,15 @@ impl Bench {
             if self.software && before.is_none() && captured.is_none() {
                 self.renderer.timing = Timing::Serial;
             }
-            let (camera, transfer) = (&order.seen.camera, order.extras.transfer.as_ref());
-            let frame = match transfer {
-                Some(transfer) => self.renderer.render_with(scene, camera, &settings, transfer, size),
-                None => self.renderer.render(scene, camera, &settings, size),
-            };
+            let frame = render(&mut self.renderer, scene, order, &settings, size);
             self.renderer.timing = usual;
             let kept = frame?.report.kept;
             let milliseconds = begin.elapsed().as_secs_f64() * 1e3;
             tracing::debug!("ahead {}: {size:?} in {milliseconds:.1} ms, kept: {kept:?}", order.number);
             if kept == Kept::Features {
                 // Of an earlier rest, perhaps.
-                let milliseconds_then = captured.or(before.map(|b| b.milliseconds)).unwrap_or(milliseconds);
-                let viewport = order.size;
-                self.ahead = Some(Ahead { size, viewport, milliseconds: milliseconds_then });
+                let capture = captured.or(before.map(|b| b.milliseconds)).unwrap_or(milliseconds);
+                self.ahead = Some(Ahead { size, viewport: order.size, milliseconds: capture });
                 if let Some(first) = fastest {
                     return Ok(Some(milliseconds.min(first)));
                 }
@@ -131,6 +127,20 @@ impl Bench {
     /// What the renderer keeps layers of.
     pub(super) fn drawn(&self) -> Option<&Uploaded> {
         self.ahead.and(self.model.as_ref()).or(self.scene.as_ref())
+    }
+}
+
+/// What is ordered, with these settings and so large.
+pub(super) fn render(
+    renderer: &mut Renderer,
+    scene: &GpuScene,
+    order: &Order,
+    settings: &Settings,
+    size: [u32; 2],
+) -> Result<Frame, RenderError> {
+    match &order.extras.transfer {
+        Some(transfer) => renderer.render_with(scene, &order.seen.camera, settings, transfer, size),
+        None => renderer.render(scene, &order.seen.camera, settings, size),
     }
 }
 

@@ -114,12 +114,15 @@ fn where_only_light_changes_previews_show_the_model_itself() {
     studio.draw_ahead(&resting);
     let mut other = resting.clone();
     other.seen.settings.opacity.gain = 0.5;
+    // As where something else than the settings asks for the same light: the model itself is no simpler one.
+    let transfer = Arc::new(other.seen.settings.opacity.transfer.resolve(None).unwrap());
+    (other.same_settings, other.extras.transfer) = (true, Some(Arc::clone(&transfer)));
     let shown = picture(studio.fill(&other));
     assert_eq!(shown.report.kept, Kept::Features);
     let mut renderer = Renderer::new(Gpu::new(&GpuOptions::default()).unwrap()).unwrap();
     let model = renderer.load(&resting.scene).unwrap();
     let settings = lowered(&other.seen.settings, divisor(other.size, shown.size));
-    let expected = renderer.render(&model, &other.seen.camera, &settings, shown.size).unwrap();
+    let expected = renderer.render_with(&model, &other.seen.camera, &settings, &transfer, shown.size).unwrap();
     assert!(shown.rgba == rgba8(&expected.image, shown.background), "another picture than of the whole model");
     assert_ne!(shown.report.layers.stored, simple.report.layers.stored, "the simpler one has the same layers: no test");
     // After the next rest of the same view it is the model still, and nothing is captured again but for another size.
