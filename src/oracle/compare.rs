@@ -9,6 +9,7 @@ use glam::{DVec2, DVec3, Vec3};
 
 use super::continuity::neighbours_by;
 use super::cut::ViewCut;
+use super::ends::{Ends, Surfaces};
 use super::neighbours::{Link, Neighbours};
 use super::raster::{Fragment, Layers};
 use super::store::StoreData;
@@ -259,6 +260,35 @@ pub fn links_cut(
     result
 }
 
+/// Where every layer ends, over the same links; what lies behind, over the same ends. Samples are missing neighbours.
+pub fn ends(camera: &Camera, s: &StoreData, links: &[[Link; 4]], found: &Ends) -> Comparison {
+    let view = View::new(camera, [s.width, s.height], DVec2::ZERO);
+    let mut result = Comparison::default();
+    let columns = [&found.surface, &found.open, &found.behind];
+    if columns.iter().any(|c| c.len() != s.len()) {
+        result.fault(0, || format!("ends of {:?} fragments, not {}", columns.map(Vec::len), s.len()));
+        return result;
+    }
+    let (expected, unsure) = Ends::seams(s, links, &view);
+    let (behind, behind_unsure) = Ends::behind(s, links, &view, &found.open);
+    for (i, &pixel) in s.pixel_of_fragment().iter().enumerate() {
+        for d in 0..4 {
+            result.samples += usize::from(links[i][d] == Link::Missing);
+            let wrong = (found.surface[i][d], found.open[i][d]) != (expected.surface[i][d], expected.open[i][d]);
+            let wrong_behind = found.behind[i][d] != behind[i][d];
+            if unsure[i][d] || behind_unsure[i][d] {
+                result.ambiguous += 1;
+            }
+            if (wrong && !unsure[i][d]) || (wrong_behind && !behind_unsure[i][d]) {
+                let found = columns.map(|c| c[i][d]);
+                let expected = [expected.surface[i][d], expected.open[i][d], behind[i][d]];
+                result.fault(pixel, || format!("fragment {i}, direction {d}: {found:?}, expected {expected:?}"));
+            }
+        }
+    }
+    result
+}
+
 /// κ within 1e-3 of the oracle's over the same links. *Worst* is a difference of κ.
 pub fn kappa(
     scene: &Scene,
@@ -333,24 +363,26 @@ pub fn picture(
     }
     if settings.opacity.model == OpacityModel::Illustrative {
         let base: Vec<f64> = colors.iter().map(|c| c[3]).collect();
-        let (_, opacities) = illustrated(&store, &links.links, &base, &settings.opacity.illustrative);
+        let (ends, _) = Ends::find(&store, &links.links, &view);
+        let surfaces = Surfaces { store: &store, links: &links.links, ends: &ends, bare: false };
+        let (_, opacities) = illustrated(&surfaces, &base, &settings.opacity.illustrative);
         colors.iter_mut().zip(opacities).for_each(|(color, opacity)| color[3] = opacity);
     }
     composite::front_to_back(&store, &colors, None)
 }
 
-/// Fields after diffusion and the opacity of every fragment, from links and base opacity. Never as printed.
+/// Fields after diffusion and the opacity of every fragment, from where surfaces end and base opacity. Never as printed.
 pub fn illustrated(
-    store: &StoreData,
-    links: &[[Link; 4]],
+    surfaces: &Surfaces<'_>,
     base: &[f64],
     settings: &IllustrativeSettings,
 ) -> (illustration::Fields, Vec<f64>) {
-    let settings = settings.in_pixels([store.width, store.height]);
+    let settings = settings.in_pixels([surfaces.store.width, surfaces.store.height]);
     let settings = IllustrativeSettings { printed: PrintedForm::None, ..settings };
+    let surfaces = Surfaces { bare: false, ..*surfaces };
     let base: Vec<f64> = base.iter().map(|b| b * settings.base_gain).collect();
-    let begun = illustration::boundary(store, links, &base, false);
-    let fields = illustration::diffuse(&illustration::Graph::of(store, links, &settings), &begun, &settings);
+    let begun = illustration::boundary(&surfaces, &base);
+    let fields = illustration::diffuse(&illustration::Graph::of(&surfaces, &settings), &begun, &settings);
     let opacities = illustration::opacities(&fields, &settings);
     (fields, opacities)
 }

@@ -9,19 +9,21 @@
 //! - Conductance of a link is the smaller chord of its two fragments along its axis, over the feature size, at most 1: the same
 //!   from both sides, so that nothing is lost.
 
-use super::illustration::occlusion;
+use super::ends::Surfaces;
 use super::neighbours::{Direction, Link};
-use super::store::StoreData;
 
 /// How many neighbours follow each other from a fragment on in each direction, at most `most`.
-pub fn runs(store: &StoreData, links: &[[Link; 4]], most: u32, bare: bool) -> Vec<[u32; 4]> {
+pub fn runs(surfaces: &Surfaces<'_>, most: u32) -> Vec<[u32; 4]> {
+    let (store, links) = (surfaces.store, surfaces.links);
     let (width, height) = (store.width.max(1) as usize, store.height as usize);
     let run = |pixel: usize, index: usize, d: Direction| {
         let (mut pixel, mut index) = (pixel, index);
         for length in 0..most {
-            let (under, beside) = occlusion(store, links, pixel, index, d, bare);
+            let (under, beside) = surfaces.occlusion(pixel, index, d);
             match (links[store.offsets[pixel] + index][d as usize], d.step(pixel, width, height)) {
                 (Link::Unknown, _) => return most,
+                // Nor is it known how far a surface goes on beyond a seam.
+                (Link::Missing, _) if surfaces.goes_on(store.offsets[pixel] + index, d) => return most,
                 (Link::To(next), Some(q)) if !under && !beside => (pixel, index) = (q, next as usize),
                 _ => return length,
             }
@@ -35,14 +37,8 @@ pub fn runs(store: &StoreData, links: &[[Link; 4]], most: u32, bare: bool) -> Ve
 
 /// The smaller chord of the two fragments of each link along its axis, in pixels and at most `size`; `size` where there is no
 /// link.
-pub fn chords(
-    around: &[[Option<usize>; 4]],
-    store: &StoreData,
-    links: &[[Link; 4]],
-    size: u32,
-    bare: bool,
-) -> Vec<[u32; 4]> {
-    let runs = runs(store, links, size.saturating_sub(1), bare);
+pub fn chords(around: &[[Option<usize>; 4]], surfaces: &Surfaces<'_>, size: u32) -> Vec<[u32; 4]> {
+    let runs = runs(surfaces, size.saturating_sub(1));
     let chord = |i: usize, d: Direction| (runs[i][d as usize] + runs[i][d.opposite() as usize] + 1).min(size);
     let of = |(i, around): (usize, &[Option<usize>; 4])| {
         Direction::ALL.map(|d| around[d as usize].map_or(size, |j| chord(i, d).min(chord(j, d))))
@@ -51,24 +47,26 @@ pub fn chords(
 }
 
 /// How much flows through each link: chords over `size`; 1 everywhere for a size of 0, the paper's isotropic diffusion.
-pub fn conductances(
-    around: &[[Option<usize>; 4]],
-    store: &StoreData,
-    links: &[[Link; 4]],
-    size: u32,
-    bare: bool,
-) -> Vec<[f64; 4]> {
+pub fn conductances(around: &[[Option<usize>; 4]], surfaces: &Surfaces<'_>, size: u32) -> Vec<[f64; 4]> {
     if size == 0 {
         return vec![[1.0; 4]; around.len()];
     }
-    let chords = chords(around, store, links, size, bare);
+    let chords = chords(around, surfaces, size);
     chords.into_iter().map(|c| c.map(|c| f64::from(c) / f64::from(size))).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::oracle::ends::Ends;
     use crate::oracle::illustration::adjacency;
+    use crate::oracle::store::StoreData;
+
+    /// Every missing neighbour ends the surface openly.
+    fn all_open(links: &[[Link; 4]]) -> Ends {
+        let open: Vec<_> = links.iter().map(|l| l.map(|l| l == Link::Missing)).collect();
+        Ends { surface: open.clone(), behind: vec![[false; 4]; open.len()], open }
+    }
 
     /// A strip of five pixels that ends at both sides, and one that goes on beyond the image on its right.
     #[test]
@@ -87,18 +85,22 @@ mod tests {
                 links.push([right, if x > 0 { Link::To(0) } else { end }, end, end]);
             }
         }
-        let found = runs(&store, &links, 19, false);
+        // All of one part.
+        store.part = vec![0; 10];
+        let ends = all_open(&links);
+        let surfaces = Surfaces { store: &store, links: &links, ends: &ends, bare: false };
+        let found = runs(&surfaces, 19);
         assert_eq!(found[0], [4, 0, 0, 0]);
         assert_eq!(found[3], [1, 3, 0, 0]);
         assert_eq!(found[5..].iter().map(|r| r[0]).collect::<Vec<_>>(), [19; 5], "unknown ends nothing");
-        assert_eq!(runs(&store, &links, 2, false)[0][0], 2);
+        assert_eq!(runs(&surfaces, 2)[0][0], 2);
         let around = adjacency(&store, &links);
-        let c = chords(&around, &store, &links, 20, false);
+        let c = chords(&around, &surfaces, 20);
         assert!(c[..5].iter().all(|c| c[0] == if c[0] == 20 { 20 } else { 5 }) && c[2] == [5, 5, 20, 20]);
         assert_eq!(c[7], [20; 4], "a chord as long as the size or longer limits nothing");
-        let g = conductances(&around, &store, &links, 20, false);
+        let g = conductances(&around, &surfaces, 20);
         assert_eq!(g[1], [0.25, 0.25, 1.0, 1.0]);
-        assert_eq!(conductances(&around, &store, &links, 0, false)[1], [1.0; 4]);
+        assert_eq!(conductances(&around, &surfaces, 0)[1], [1.0; 4]);
     }
 
     /// Before the right half of a sheet another begins: the far sheet's runs end there on both sides, the near one's does not
@@ -112,6 +114,7 @@ mod tests {
             overflowed: vec![false; 4],
             offsets: vec![0, 1, 2, 4],
             depth: vec![2.0, 2.0, 1.0, 2.0, 1.0, 2.0],
+            part: vec![0; 6],
             ..StoreData::default()
         };
         let to = |l| Link::To(l);
@@ -124,12 +127,14 @@ mod tests {
             [end, to(0), far, far],
             [end, to(1), far, far],
         ];
-        let runs = runs(&store, &links, 9, false);
+        let ends = all_open(&links);
+        let surfaces = Surfaces { store: &store, links: &links, ends: &ends, bare: false };
+        let runs = runs(&surfaces, 9);
         assert_eq!(
             runs.iter().map(|r| [r[0], r[1]]).collect::<Vec<_>>(),
             [[1, 0], [0, 1], [1, 0], [1, 0], [0, 1], [0, 1]]
         );
-        let c = chords(&adjacency(&store, &links), &store, &links, 8, false);
+        let c = chords(&adjacency(&store, &links), &surfaces, 8);
         assert_eq!((c[1][0], c[3][1]), (2, 2), "the link under the edge");
     }
 }

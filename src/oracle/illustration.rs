@@ -5,11 +5,13 @@
 //! with λ = 1 (T12), max-propagation that overwrites what is fixed (T16), bare index steps (T19).
 //!
 //! # Choices
-//! - Missing neighbours make silhouettes, unknown ones do not (T10); through neither anything flows.
+//! - Missing neighbours make silhouettes where [`super::ends`] finds the surface's end, unknown ones do not (T10); through
+//!   neither anything flows.
 //! - A fragment that ends and lies under another end is a silhouette: the first of the paper's rules wins.
 //! - α has no fixed fragments: no rule of the paper makes one.
 //! - A power with p = 0 is 0 at u = 0 and 1 elsewhere, its limit.
 
+use super::ends::Surfaces;
 use super::feature_size;
 use super::neighbours::{Direction, Link};
 use super::store::StoreData;
@@ -35,34 +37,6 @@ pub fn adjacency(store: &StoreData, links: &[[Link; 4]]) -> Vec<[Option<usize>; 
     (0..store.len()).map(|i| Direction::ALL.map(|d| neighbour(i, d))).collect()
 }
 
-/// Whether fragment `index` of a pixel lies under what ends between it and its neighbour in a direction, and whether it lies
-/// beside that: the index differs, and something in front really ends there (T19). With `bare`, every step of the index counts.
-pub fn occlusion(
-    store: &StoreData,
-    links: &[[Link; 4]],
-    pixel: usize,
-    index: usize,
-    d: Direction,
-    bare: bool,
-) -> (bool, bool) {
-    let (width, height) = (store.width.max(1) as usize, store.height as usize);
-    // Whether something in front of layer `index` of a pixel ends in a direction.
-    let ends_in_front = |pixel: usize, index: usize, d: Direction| {
-        let first = store.offsets[pixel];
-        (first..first + index).any(|f| links[f][d as usize] == Link::Missing)
-    };
-    match (links[store.offsets[pixel] + index][d as usize], d.step(pixel, width, height)) {
-        (Link::To(layer), Some(q)) => {
-            let other = layer as usize;
-            (
-                index > other && (bare || ends_in_front(pixel, index, d)),
-                index < other && (bare || ends_in_front(q, other, d.opposite())),
-            )
-        }
-        _ => (false, false),
-    }
-}
-
 /// Who is whose neighbour, and how much flows between them.
 #[derive(Clone, Debug, Default)]
 pub struct Graph {
@@ -79,27 +53,26 @@ impl Graph {
     }
 
     /// As the settings ask: by local feature size, or isotropic.
-    pub fn of(store: &StoreData, links: &[[Link; 4]], settings: &IllustrativeSettings) -> Graph {
-        let (around, bare) = (adjacency(store, links), settings.printed == PrintedForm::IndexSteps);
-        let conductance = feature_size::conductances(&around, store, links, settings.feature_size, bare);
+    pub fn of(surfaces: &Surfaces<'_>, settings: &IllustrativeSettings) -> Graph {
+        let around = adjacency(surfaces.store, surfaces.links);
+        let conductance = feature_size::conductances(&around, surfaces, settings.feature_size);
         Graph { around, conductance }
     }
 }
 
-/// Sections 5.2 and 5.3: α from `base`, silhouettes and halos from the links. With `bare`, every step of the index counts.
-pub fn boundary(store: &StoreData, links: &[[Link; 4]], base: &[f64], bare: bool) -> Fields {
+/// Sections 5.2 and 5.3: α from `base`, silhouettes and halos from where surfaces end.
+pub fn boundary(surfaces: &Surfaces<'_>, base: &[f64]) -> Fields {
     let mut fields = Fields::default();
-    for (i, &pixel) in store.pixel_of_fragment().iter().enumerate() {
-        let index = i - store.offsets[pixel];
-        let ends = links[i].contains(&Link::Missing);
+    for (i, &pixel) in surfaces.store.pixel_of_fragment().iter().enumerate() {
+        let is_end = surfaces.is_end(i);
         let (mut under, mut beside) = (false, false);
         for d in Direction::ALL {
-            let found = occlusion(store, links, pixel, index, d, bare);
+            let found = surfaces.occlusion(pixel, i - surfaces.store.offsets[pixel], d);
             (under, beside) = (under | found.0, beside | found.1);
         }
         let one = |is: bool| f64::from(u8::from(is));
-        fields.values.push([base[i].clamp(0.0, 1.0), one(ends), one(beside)]);
-        fields.fixed.push([ends || under, beside]);
+        fields.values.push([base[i].clamp(0.0, 1.0), one(is_end), one(beside)]);
+        fields.fixed.push([is_end || under, beside]);
     }
     fields
 }

@@ -1,6 +1,7 @@
 //! Cases worked out by hand, and the traps T12 to T19 in numbers.
 
 use super::*;
+use crate::oracle::ends::Ends;
 
 struct Random(u64);
 
@@ -18,9 +19,18 @@ fn row(counts: &[u32]) -> StoreData {
         store.offsets.push(store.depth.len());
         store.counts.push(count);
         store.overflowed.push(false);
-        store.depth.resize(store.depth.len() + count as usize, 1.0);
+        // One sheet behind the other, all of one part.
+        store.depth.extend((0..count).map(|layer| f64::from(layer + 1)));
+        store.part.resize(store.depth.len(), 0);
     }
     store
+}
+
+/// Sections 5.2 and 5.3, where every missing neighbour ends the surface openly.
+fn begun(store: &StoreData, links: &[[Link; 4]], base: &[f64], bare: bool) -> Fields {
+    let open: Vec<_> = links.iter().map(|l| l.map(|l| l == Link::Missing)).collect();
+    let ends = Ends { surface: open.clone(), behind: vec![[false; 4]; open.len()], open };
+    boundary(&Surfaces { store, links, ends: &ends, bare }, base)
 }
 
 /// Links to the right and to the left; nothing is known above and below.
@@ -54,7 +64,7 @@ fn settings() -> IllustrativeSettings {
 #[test]
 fn boundary_conditions_by_hand() {
     let (store, links) = two_sheets();
-    let fields = boundary(&store, &links, &[0.3; 6], false);
+    let fields = begun(&store, &links, &[0.3; 6], false);
     // In order: far sheet in pixels 0 and 1, then near and far sheet in pixels 2 and 3.
     let expected = [
         ([0.3, 0.0, 0.0], [false, false]),
@@ -73,7 +83,7 @@ fn boundary_conditions_by_hand() {
 fn unknown_neighbours_make_no_silhouette() {
     let (store, mut links) = two_sheets();
     links[2][1] = Link::Unknown;
-    let fields = boundary(&store, &links, &[0.3; 6], false);
+    let fields = begun(&store, &links, &[0.3; 6], false);
     assert!(
         fields.values.iter().all(|v| v[1] == 0.0 && v[2] == 0.0),
         "the near sheet's beginning is not known to be one"
@@ -90,9 +100,9 @@ fn t19_touching_faces_sprinkle_halos_only_as_printed() {
         links[i][1] = Link::Unknown;
         links[10 + i][0] = Link::Unknown;
     }
-    let ours = boundary(&store, &links, &[0.3; 12], false);
+    let ours = begun(&store, &links, &[0.3; 12], false);
     assert!(ours.values.iter().all(|v| v[1..] == [0.0, 0.0]) && ours.fixed.iter().all(|f| *f == [false; 2]));
-    let printed = boundary(&store, &links, &[0.3; 12], true);
+    let printed = begun(&store, &links, &[0.3; 12], true);
     assert_eq!(printed.values.iter().filter(|v| v[2] == 1.0).count(), 6, "every front layer");
     assert_eq!(printed.fixed.iter().filter(|f| f[0]).count(), 6, "every back layer");
 }
@@ -107,7 +117,7 @@ fn a_step_by_hand() {
     s.alpha.lambda = 0.5;
     s.beta.lambda = 0.25;
     s.gamma.lambda = 0.2;
-    let next = step(&graph, &boundary(&store, &links, &base, false), &s, 0);
+    let next = step(&graph, &begun(&store, &links, &base, false), &s, 0);
     let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-15, "{a} and {b}");
     // 0.1 + 0.125 · (0.2 − 0.1); 0.2 + 0.125 · ((0.4 − 0.2) + (0.1 − 0.2)).
     near(next.values[0][0], 0.1125);
@@ -120,7 +130,7 @@ fn a_step_by_hand() {
         near(found, expected);
     }
     let none = IllustrativeSettings { iterations: 0, ..s };
-    assert_eq!(step(&graph, &boundary(&store, &links, &base, false), &none, 0).values[0][0], 0.1);
+    assert_eq!(step(&graph, &begun(&store, &links, &base, false), &none, 0).values[0][0], 0.1);
 }
 
 /// A random part of the pixel grid, its links with random conductances, and fields; without silhouettes everything is free.

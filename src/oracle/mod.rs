@@ -17,8 +17,9 @@
 //! | shading | [`shade`], [`lighting`] | store, lights | lit colour |
 //! | opacity | [`stylize`] | store, lit colour, κ, tables | colour and alpha |
 //! | | [`models`] | store, links | opacity by the other models |
-//! | | [`feature_size`] | store, links | how much flows through each link
-//! | | [`illustration`] | links, base opacity | the fields α, β, γ and opacity |
+//! | | [`ends`] | store, links | where surfaces end, and what that hides |
+//! | | [`feature_size`] | store, links, ends | how much flows through each link |
+//! | | [`illustration`] | store, links, ends, base opacity | the fields α, β, γ and opacity |
 //! | composite | [`composite`] | store, colour and alpha | the image |
 //!
 //! An [`arranged`] scene is a scene again. [`compare`] holds each stage of a GPU against these. [`view`] reads camera and image size as the shaders do; [`analytic`] makes stores of surfaces whose curvature is
@@ -39,6 +40,7 @@ pub mod composite;
 pub mod continuity;
 pub mod curvature;
 pub mod cut;
+pub mod ends;
 pub mod feature_size;
 pub mod illustration;
 pub mod lighting;
@@ -55,6 +57,7 @@ pub mod view;
 pub use buckets::{Books, BucketedPixel, PackedKey, WideKey, bucket_k_buffer};
 pub use curvature::{Curvature, curvature};
 pub use cut::ViewCut;
+pub use ends::{Ends, Surfaces};
 pub use linked_list::Lists;
 pub use neighbours::{Direction, Link, Neighbours, neighbours, neighbours_expected};
 pub use raster::{Fragment, Layers, Pixel, SurfaceInputs, rasterize, rasterize_cut};

@@ -8,23 +8,24 @@
 //! Where we differ from what is printed (each printed form is a setting, `opacity.illustrative.printed`):
 //! - Heat flows along the links that there are, λ/4 through each: stable for every λ that is allowed, and conserved (T12).
 //! - β and γ go on until nothing changes, which the GPU decides; what is fixed stays fixed (T16).
-//! - A step of the layer index counts only if something in front really ends there (T19).
+//! - Silhouettes are where surfaces really end, and halos begin behind what ends openly, not at every step of the layer index
+//!   (T19, [`ends`]).
 //! - The bell's limit at p = 0 is its value there (T15); what passes a layer is 1 − α̂ (T14).
 //! - Diffusion can be anisotropic, by local feature size ([`feature_size`]).
 //! - Unknown neighbours, beyond the image or where a k-buffer lost layers, are no silhouettes (T10).
 //!
-//! A layer that ends and lies under another end is a silhouette: the first of the paper's rules wins. Memory a layer: 48 bytes,
-//! the fields twice and the slots of the neighbours (52 in rows, whose layers are listed besides); and 8 a pixel. Both fields and base opacity come from as many rows away as steps are taken, so bands have
-//! an apron as wide.
+//! A layer that ends and lies under another end is a silhouette: the first of the paper's rules wins. Memory a layer: 52 bytes,
+//! the fields twice, the slots of the neighbours, and where it ends (56 in rows, whose layers are listed besides); and 8 a pixel.
+//! Both fields and base opacity come from as many rows away as steps are taken, so bands have an apron as wide.
 
-use crate::gpu::{GpuError, ShaderSpec};
+use crate::gpu::GpuError;
 use crate::passes::operators::{self, Operator};
-use crate::passes::store::StoreModules;
 use crate::passes::{Context, IllustrationParameters, StepParameters};
 use crate::plan::{FramePlan, Opacity, Pass};
 use crate::settings::{Axis, Diffusion, Effect, IllustrativeSettings, Knob, PrintedForm, Profile};
 
 pub mod cases;
+pub mod ends;
 pub mod feature_size;
 
 const WANTED: (&str, &str) = ("opacity.model", "illustrative");
@@ -111,18 +112,13 @@ pub fn parameters(settings: &IllustrativeSettings, opacity: Opacity) -> (Illustr
     (fields, StepParameters { always: steps.heat, early_stop: u32::from(s.early_stop), _pad: [0; 2] })
 }
 
-/// The shader that finds where surfaces end.
-pub fn ends_spec(plan: &FramePlan) -> ShaderSpec {
-    StoreModules::of(plan).layout(ShaderSpec::new("passes/illustration/ends"))
-}
-
 /// Puts the opacity of every layer in place of its base opacity.
 ///
 /// # Errors
 /// [`GpuError`] of the device.
 pub fn illustrate(context: &mut Context<'_>) -> Result<(), GpuError> {
     let Some(illustration) = context.plan.illustration else { return Ok(()) };
-    context.per_pixel(Pass::Boundary, &ends_spec(context.plan), "main")?;
+    ends::find(context)?;
     operators::run(context, Pass::Boundary, &BOUNDARY, 0)?;
     if context.plan.runs(Pass::FeatureSize) {
         feature_size::measure(context)?;

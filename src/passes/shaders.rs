@@ -117,7 +117,14 @@ fn shaders_of(plan: &FramePlan, pass: Pass) -> Vec<Used> {
         }
         Pass::Stylize => opacity::operator(plan.opacity).iter().flat_map(|o| one(o.spec(plan))).collect(),
         Pass::Boundary => {
-            vec![(illustration::ends_spec(plan), MAIN), (illustration::BOUNDARY.spec(plan), MAIN)]
+            let ends = illustration::ends::spec(plan);
+            let seams = illustration::ends::seams_spec(plan);
+            vec![
+                (ends, illustration::ends::ENTRIES.as_slice()),
+                (seams, &illustration::ends::SEAM_ENTRIES),
+                (illustration::ends::behind_spec(plan), MAIN),
+                (illustration::BOUNDARY.spec(plan), MAIN),
+            ]
         }
         Pass::FeatureSize => {
             let sizes = illustration::feature_size::runs_spec(plan);

@@ -87,7 +87,7 @@ fn columns(plan: &FramePlan) -> Vec<(&'static str, u64)> {
         all.push(("kappas", 4));
     }
     if plan.runs(Pass::Boundary) {
-        all.push(("fields_even", 16));
+        all.extend([("fields_even", 16), ("layer_ends", 4)]);
     }
     if plan.runs(Pass::FeatureSize) {
         all.push(("chords", 4));

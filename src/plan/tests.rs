@@ -145,8 +145,7 @@ fn one_sample_needs_no_sums_and_no_reverse_check_no_links() {
 fn an_unplanned_pass_allocates_nothing() {
     let mut tail = bucketed(8);
     tail.capture.bucketed_k_buffer.tail = Tail::Average;
-    let mut opaque = Settings::default();
-    opaque.opacity.model = OpacityModel::Opaque;
+    let opaque = Settings::from_pairs("opacity.model=opaque").unwrap();
     let mut by_bucket = bucketed(8);
     by_bucket.capture.bucketed_k_buffer.slot_search = SlotSearch::Bucket;
     let mut lists = Settings::default();
@@ -171,6 +170,7 @@ fn an_unplanned_pass_allocates_nothing() {
                     ("list_heads", Pass::Fill),
                     ("list_next", Pass::Fill),
                     ("ends", Pass::Boundary),
+                    ("layer_ends", Pass::Boundary),
                     ("fields_even", Pass::Boundary),
                     ("fields_odd", Pass::Diffuse),
                     ("sources", Pass::Sort),

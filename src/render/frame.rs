@@ -576,7 +576,7 @@ pub(super) fn bind_settings(
         resources.ensure(&gpu, "sort_arguments", 12 * u64::from(sort::LARGEST_CLASS + 1))?;
         resources.ensure(&gpu, "classes", 16 * u64::from(sort::LARGEST_CLASS + 1))?;
     }
-    if plan.features.is_some_and(|f| f.search == NeighbourSearch::Buckets) {
+    if plan.features.is_some_and(|f| f.search == NeighbourSearch::Buckets) || plan.runs(Pass::Boundary) {
         resources.ensure(&gpu, "open_arguments", 12)?;
         resources.ensure(&gpu, "open_count", 4)?;
     }

@@ -9,7 +9,7 @@ use super::{FrameReport, RenderError, Renderer};
 use crate::gpu::GpuError;
 use crate::math::Camera;
 use crate::math::color::linear_from_srgb;
-use crate::oracle::{Link, StoreData};
+use crate::oracle::{Ends, Link, StoreData, Surfaces};
 use crate::passes::{PartFacts, operators};
 use crate::plan::{Capture, FramePlan};
 use crate::settings::{DepthQuantization, NormalEncoding};
@@ -23,6 +23,8 @@ pub struct StoreReadback {
     pub words: Vec<[u32; 9]>,
     /// Neighbours in the four directions; empty if none were searched.
     pub links: Vec<[Link; 4]>,
+    /// Where surfaces end; empty without illustrative transparency.
+    pub ends: Ends,
     /// κ; empty if it was not computed.
     pub kappa: Vec<f32>,
     /// α, β, γ of illustrative transparency after diffusion, and what is fixed (1 β, 2 γ); empty without.
@@ -97,6 +99,13 @@ impl DepthDecoder {
     }
 }
 
+impl StoreReadback {
+    /// What is known of the surfaces, for the oracle's illustrative transparency.
+    pub fn surfaces(&self) -> Surfaces<'_> {
+        Surfaces { store: &self.layers, links: &self.links, ends: &self.ends, bare: false }
+    }
+}
+
 impl Renderer {
     /// Reads back a buffer of the last frame by the name of its shader variable.
     ///
@@ -152,6 +161,7 @@ impl Renderer {
         let parts = self.read_optional("parts")?;
         let ahead = self.read_optional("links_ahead")?;
         let behind = self.read_optional("links_behind")?;
+        let layer_ends = if plan.illustration.is_some() { self.read_words("layer_ends")? } else { Vec::new() };
         let parameters = self.read_optional("parameters")?;
         let kappas = self.read_optional("kappas")?;
         let fields = match plan.illustration {
@@ -246,6 +256,12 @@ impl Renderer {
                         0xFFFE => Link::Unknown,
                         layer => Link::To(layer),
                     }));
+                }
+                if let Some(flags) = layer_ends.get(i) {
+                    let four = |first: u32| [0, 1, 2, 3].map(|d| flags >> (first + d) & 1 != 0);
+                    out.ends.surface.push(four(4));
+                    out.ends.open.push(four(8));
+                    out.ends.behind.push(four(12));
                 }
                 if !fields.is_empty() {
                     out.fields.push([0, 1, 2, 3].map(|c| f32::from_bits(fields[4 * i + c])));

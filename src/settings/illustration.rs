@@ -87,7 +87,7 @@ choice! {
         Transmittance = "transmittance",
         /// Equation 9 without its flag: what is fixed is overwritten (T16).
         Propagation = "propagation",
-        /// Every step of the layer index counts, also where faces touch (T19).
+        /// Every missing neighbour is an end, and every step of the layer index counts, also where faces touch (T19).
         IndexSteps = "index_steps",
     }
 }

@@ -2,22 +2,12 @@
 //@ use store/part_column
 //@ use store/links
 //@ use scene/sections
+//@ use passes/features/point_aside
 // A cut is unknown, not a silhouette (T10): a layer whose surface would go on in the adjacent pixel on the side that is cut
 // away has an unknown neighbour there, whatever was found. Runs after any search.
 //
 // The surface goes on along its tangent plane; half a pixel more is granted, because it bends. Seen nearly edge-on, it is
 // given at most the slope of 1 : 20.
-
-// Where the tangent plane through p is met by the sight line one step aside.
-fn point_aside(p: vec3<f32>, n: vec3<f32>, step: vec2<f32>) -> vec3<f32> {
-    if frame.orthographic != 0u {
-        return p + vec3<f32>(step, -dot(n.xy, step) / max(n.z, 0.05));
-    }
-    let depth = -p.z;
-    let ray = p.xy / depth + step;
-    let toward = max(n.z - dot(n.xy, ray), 0.05);
-    return vec3<f32>(ray, -1.0) * (depth + depth * dot(n.xy, step) / toward);
-}
 
 // Right, left, down, up.
 fn goes_on_in_cut(x: u32, y: u32, shape: Shape, part: u32) -> vec4<bool> {

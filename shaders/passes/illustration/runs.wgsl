@@ -1,6 +1,7 @@
 //@ use common/frame
 //@ use store/links
 //@ use passes/illustration/parameters
+//@ use passes/illustration/layer_ends
 //@ use passes/illustration/ends_column
 // Local feature size, first half: how many neighbours follow each other from a layer on in each direction, until one is missing
 // or something in front begins or ends. One invocation goes along a whole row or column against the direction it measures,
@@ -41,8 +42,9 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         for (var index = 0u; index < count; index++) {
             let link = link_of(base + index, direction);
             var run = 0u;
-            // At the edge of what is captured nothing is known either.
-            if link == UNKNOWN || (link != MISSING && t == 0u) {
+            // At the edge of what is captured nothing is known either; nor is it how far a surface goes on beyond a seam.
+            let goes_on = link == MISSING && !bare && (layer_ends[base + index] & (ENDS << direction)) == 0u;
+            if link == UNKNOWN || goes_on || (link != MISSING && t == 0u) {
                 run = most;
             } else if link != MISSING
                 && !lies_under(pixel, index, link, direction, bare)

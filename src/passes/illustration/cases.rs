@@ -162,4 +162,57 @@ pub const CASES: &[HardCase] = &[
         measure: Measure::HalosOffContours,
         bound: 0.0,
     },
+    HardCase {
+        name: "t19-cancelled-steps",
+        trap: "T19",
+        why: "Where one surface ends and another begins in front of the same neighbours, their layer index stays what it is, and as \
+              printed the halo has a gap there. What ends and what begins do not cancel unless they touch.",
+        scene: Builtin("builtin:hard/assembly?seed=3"),
+        camera: CaseCamera::CORNER,
+        size: [56, 56],
+        ours: OURS,
+        contrast: Some(Planted(
+            OURS.changed(
+                "passes/illustration/ends_column",
+                "select(nearest_end(other, direction ^ 1u) < link, index < link, bare)",
+                "index < link && nearest_end(other, direction ^ 1u) < link",
+            ),
+        )),
+        measure: Measure::FieldError,
+        bound: 1e-5,
+    },
+    HardCase {
+        name: "ends-behind-ends",
+        trap: "",
+        why: "A surface that ends right where one in front of it does has no neighbour whose layer index could be compared, and stood \
+              opaque in the middle of the halo. Its depth says that it lies behind.",
+        scene: Builtin("builtin:hard/assembly?seed=3"),
+        camera: CaseCamera::CORNER,
+        size: [56, 56],
+        ours: OURS,
+        contrast: Some(Planted(OURS.changed(
+            "passes/illustration/boundary",
+            "|| (!bare && (flags & (15u * BEHIND)) != 0u)",
+            "",
+        ))),
+        measure: Measure::FieldError,
+        bound: 1e-5,
+    },
+    HardCase {
+        name: "near-coincident-sheets",
+        trap: "",
+        why: "A sheet rolled up until its turns lie less than a pixel apart. The neighbour search cannot tell them from each other, \
+              and where it pairs the wrong ones two are left over. Nobody could see a gap: it is a seam, and no silhouette.",
+        scene: Builtin("builtin:flow"),
+        camera: CaseCamera::CORNER,
+        size: [160, 160],
+        ours: OURS,
+        contrast: Some(Planted(OURS.changed(
+            "passes/illustration/seams",
+            "if link >= UNKNOWN && (touches || crosses) {",
+            "if false {",
+        ))),
+        measure: Measure::HalosOffContours,
+        bound: 0.1,
+    },
 ];

@@ -27,7 +27,7 @@ impl Stand<'_> {
         let base: Vec<f64> = base.colors().iter().map(|c| c[3]).collect();
         let store = self.shot()?.store;
         let settings = &self.settings.opacity.illustrative;
-        let (exact, _) = compare::illustrated(&store.layers, &store.links, &base, settings);
+        let (exact, _) = compare::illustrated(&store.surfaces(), &base, settings);
         let off = |(f, e): (&[f32; 4], &[f64; 3])| (0..3).map(|c| (f64::from(f[c]) - e[c]).abs()).fold(0.0, worse);
         let value = store.fields.iter().zip(&exact.values).map(off).fold(0.0, worse);
         Ok(Figure { value, samples: store.fields.len(), ambiguous: 0 })
