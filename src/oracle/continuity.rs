@@ -176,28 +176,8 @@ pub fn one_way(store: &StoreData, links: &[[Link; 4]]) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use glam::DVec2;
-
     use super::*;
-
-    /// A row of pixels one unit wide, seen in parallel; each fragment is (part, depth, slope in x).
-    fn row(pixels: &[&[(u32, f64, f64)]]) -> (StoreData, View) {
-        let width = pixels.len() as u32;
-        let mut store = StoreData { width, height: 1, ..StoreData::default() };
-        for fragments in pixels {
-            store.offsets.push(store.depth.len());
-            store.counts.push(fragments.len() as u32);
-            store.overflowed.push(false);
-            for &(part, depth, slope) in *fragments {
-                store.part.push(part);
-                store.depth.push(depth);
-                // Depth grows away from the viewer, so a surface that recedes to the right faces right.
-                store.normal.push(DVec3::new(slope, 0.0, 1.0).normalize().as_vec3().to_array());
-            }
-        }
-        let half_extent = DVec2::new(0.5 * f64::from(width), 0.5);
-        (store, View { width, height: 1, perspective: false, half_extent, shift: DVec2::ZERO })
-    }
+    use crate::oracle::store::row;
 
     fn extents() -> Extents {
         Extents { part_radii: vec![10.0, 10.0], scene_radius: 10.0, visible_height: 1.0, depth_range: [0.0, 10.0] }

@@ -210,27 +210,8 @@ impl Surfaces<'_> {
 
 #[cfg(test)]
 mod tests {
-    use glam::DVec2;
-
     use super::*;
-
-    /// Pixels of side 1 in a row, seen in parallel; each fragment is (part, depth, slope to the right).
-    fn row(pixels: &[&[(u32, f64, f64)]]) -> (StoreData, View) {
-        let width = pixels.len() as u32;
-        let mut store = StoreData { width, height: 1, ..StoreData::default() };
-        for fragments in pixels {
-            store.offsets.push(store.depth.len());
-            store.counts.push(fragments.len() as u32);
-            store.overflowed.push(false);
-            for &(part, depth, slope) in *fragments {
-                store.part.push(part);
-                store.depth.push(depth);
-                store.normal.push(DVec3::new(slope, 0.0, 1.0).normalize().as_vec3().to_array());
-            }
-        }
-        let half_extent = DVec2::new(0.5 * f64::from(width), 0.5);
-        (store, View { width, height: 1, perspective: false, half_extent, shift: DVec2::ZERO })
-    }
+    use crate::oracle::store::row;
 
     /// Nothing is linked.
     fn unlinked(store: &StoreData) -> Vec<[Link; 4]> {

@@ -115,3 +115,24 @@ impl StoreData {
         ((pixel % width) as u32, (pixel / width) as u32)
     }
 }
+
+/// A row of pixels one unit wide, seen in parallel; each fragment is (part, depth, slope in x).
+#[cfg(test)]
+pub(super) fn row(pixels: &[&[(u32, f64, f64)]]) -> (StoreData, super::View) {
+    use glam::{DVec2, DVec3};
+    let width = pixels.len() as u32;
+    let mut store = StoreData { width, height: 1, ..StoreData::default() };
+    for fragments in pixels {
+        store.offsets.push(store.depth.len());
+        store.counts.push(fragments.len() as u32);
+        store.overflowed.push(false);
+        for &(part, depth, slope) in *fragments {
+            store.part.push(part);
+            store.depth.push(depth);
+            // Depth grows away from the viewer, so a surface that recedes to the right faces right.
+            store.normal.push(DVec3::new(slope, 0.0, 1.0).normalize().as_vec3().to_array());
+        }
+    }
+    let half_extent = DVec2::new(0.5 * f64::from(width), 0.5);
+    (store, super::View { width, height: 1, perspective: false, half_extent, shift: DVec2::ZERO })
+}

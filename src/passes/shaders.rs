@@ -106,7 +106,7 @@ fn shaders_of(plan: &FramePlan, pass: Pass) -> Vec<Used> {
         Pass::NeighbourLinks => {
             let links = plan.features.iter();
             let open = links.clone().filter_map(|f| neighbours::open_spec(plan, f));
-            let open = open.map(|spec| (spec, neighbours::OPEN_ENTRIES.as_slice()));
+            let open = open.flat_map(|spec| [(neighbours::arrange_spec(), MAIN), (spec, MAIN)]);
             links.map(|f| (neighbours::links_spec(plan, f), neighbours::links_entries(f))).chain(open).collect()
         }
         Pass::CutLinks => one(neighbours::cut_spec(plan)),
@@ -121,7 +121,8 @@ fn shaders_of(plan: &FramePlan, pass: Pass) -> Vec<Used> {
             let seams = illustration::ends::seams_spec(plan);
             vec![
                 (ends, illustration::ends::ENTRIES.as_slice()),
-                (seams, &illustration::ends::SEAM_ENTRIES),
+                (neighbours::arrange_spec(), MAIN),
+                (seams, MAIN),
                 (illustration::ends::behind_spec(plan), MAIN),
                 (illustration::BOUNDARY.spec(plan), MAIN),
             ]

@@ -1,24 +1,11 @@
 //@ use passes/features/neighbour_epsilon
 //@ use store/buckets
 //@ use store/links
-//@ use store/open_layers
+//@ use store/open_dispatch
 // Neighbours that `links_by_buckets` left open: one invocation a layer searches the whole bucket of the other pixel, and from
 // what it finds the whole of its own.
 
-// Workgroups in x, y, z.
-@group(1) @binding(16) var<storage, read_write> open_arguments: array<u32>;
-
-// Workgroups in a row of the dispatch.
-const ROW: u32 = 32768u;
 const NONE: u32 = 0xFFFFFFFFu;
-
-@compute @workgroup_size(1)
-fn arrange() {
-    let groups = (atomicLoad(&open_count[0]) + 63u) / 64u;
-    open_arguments[0] = min(groups, ROW);
-    open_arguments[1] = (groups + ROW - 1u) / ROW;
-    open_arguments[2] = 1u;
-}
 
 // Who searches: a layer, and the direction in which it does.
 struct Seeker {
@@ -96,11 +83,11 @@ fn search_both_ways(own: Bucket, position: u32, x: u32, row: u32, axis: u32, par
 
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    let index = (group.y * ROW + group.x) * 64u + local;
-    if index >= atomicLoad(&open_count[0]) {
+    let place = open_place(group, local);
+    if !is_listed(place) {
         return;
     }
-    let item = open_layers[index];
+    let item = open_layers[place];
     let pixel = item.x;
     let position = item.y >> 2u;
     let table = bucket_table(pixel);

@@ -23,15 +23,12 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         if (flags & (LACKS << direction)) == 0u {
             continue;
         }
-        let there = adjacent_to(own.at, direction);
-        let other = pixel_index(there.x, there.y);
-        let base = layer_base(other);
-        let count = layer_count(other);
+        let there = across(own, direction);
         let expected = depth_aside(tangent, direction);
         let ends_openly = (flags & (ENDS_OPENLY << direction)) != 0u;
-        for (var i = nearest_end(other, direction ^ 1u); i < count && layer_view_depth(base + i) < expected; i++) {
-            let hides = (atomicLoad(&atomic_ends[base + i]) & (ENDS_OPENLY << (direction ^ 1u))) != 0u;
-            if hides && !(ends_openly && parts[base + i] == part) {
+        for (var i = nearest_end(there.pixel, direction ^ 1u); i < there.count && layer_view_depth(there.base + i) < expected; i++) {
+            let hides = (atomicLoad(&atomic_ends[there.base + i]) & (ENDS_OPENLY << (direction ^ 1u))) != 0u;
+            if hides && !(ends_openly && parts[there.base + i] == part) {
                 atomicOr(&atomic_ends[own.slot], BEHIND << direction);
                 break;
             }

@@ -14,23 +14,18 @@
 const CROSSING: f32 = 4.0;
 
 // The first layer of a pixel that is not nearer than a depth.
-fn first_from(base: u32, count: u32, depth: f32) -> u32 {
+fn first_from(there: Across, depth: f32) -> u32 {
     var low = 0u;
-    var high = count;
+    var high = there.count;
     while low < high {
         let middle = (low + high) / 2u;
-        if layer_view_depth(base + middle) < depth {
+        if layer_view_depth(there.base + middle) < depth {
             low = middle + 1u;
         } else {
             high = middle;
         }
     }
     return low;
-}
-
-@compute @workgroup_size(1)
-fn arrange() {
-    arrange_lacking();
 }
 
 @compute @workgroup_size(64)
@@ -50,26 +45,23 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         if (flags & (LACKS << direction)) == 0u {
             continue;
         }
-        let there = adjacent_to(own.at, direction);
-        let other = pixel_index(there.x, there.y);
-        let base = layer_base(other);
-        let count = layer_count(other);
+        let there = across(own, direction);
         let expected = depth_aside(tangent, direction);
-        for (var i = first_from(base, count, expected - most); i < count; i++) {
-            let facing = layer_shape(base + i);
+        for (var i = first_from(there, expected - most); i < there.count; i++) {
+            let facing = layer_shape(there.base + i);
             if facing.depth > expected + most {
                 break;
             }
-            let other_tangent = tangent_of(there, facing);
+            let other_tangent = tangent_of(there.at, facing);
             let off = expected - facing.depth;
             let back = depth_aside(other_tangent, direction ^ 1u) - shape.depth;
             // Unknown is what is cut away, or lost by a k-buffer.
-            let link = link_of(base + i, direction ^ 1u);
+            let link = link_of(there.base + i, direction ^ 1u);
             let touches = abs(off) <= tangent.reach && abs(back) <= other_tangent.reach;
             let crosses = off * back >= 0.0 && abs(off) + abs(back) <= CROSSING * size;
             if link >= UNKNOWN && (touches || crosses) {
                 flags &= ~(ENDS_OPENLY << direction);
-                flags &= ~select(0u, ENDS << direction, link == MISSING && parts[base + i] == part);
+                flags &= ~select(0u, ENDS << direction, link == MISSING && parts[there.base + i] == part);
             }
         }
     }

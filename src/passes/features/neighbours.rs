@@ -114,8 +114,10 @@ pub fn links_entries(features: &Features) -> &'static [&'static str] {
     }
 }
 
-/// The entry points of [`open_spec`].
-pub const OPEN_ENTRIES: [&str; 2] = ["arrange", "main"];
+/// The shader that says how large a dispatch over listed layers is.
+pub fn arrange_spec() -> ShaderSpec {
+    ShaderSpec::new("passes/features/arrange_open")
+}
 
 /// The shader that searches for the links which the search by buckets leaves open.
 pub fn open_spec(plan: &FramePlan, features: &Features) -> Option<ShaderSpec> {
@@ -160,9 +162,8 @@ fn search_uncut(context: &mut Context<'_>, features: &Features) -> Result<(), Gp
     context.recorder.encoder.clear_buffer(count, 0, None);
     context.per_pixel(Pass::NeighbourLinks, &spec, "begin")?;
     context.per_chunk(Pass::NeighbourLinks, &spec, "main")?;
-    let [arrange, main] = OPEN_ENTRIES;
-    context.compute(Pass::NeighbourLinks, &open, arrange, [1, 1, 1])?;
-    let kernel = context.shaders.kernel(&open, main)?;
+    context.compute(Pass::NeighbourLinks, &arrange_spec(), "main", [1, 1, 1])?;
+    let kernel = context.shaders.kernel(&open, "main")?;
     let arguments = context.resources.require(Pass::NeighbourLinks.name(), "open_arguments")?.clone();
     context.recorder.compute_indirect(Pass::NeighbourLinks, &kernel, &context.frame, context.resources, (&arguments, 0))
 }

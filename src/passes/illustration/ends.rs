@@ -19,6 +19,7 @@
 
 use crate::gpu::{GpuError, ShaderSpec};
 use crate::passes::Context;
+use crate::passes::features::neighbours;
 use crate::passes::operators;
 use crate::passes::store::StoreModules;
 use crate::plan::{FramePlan, Pass};
@@ -30,9 +31,6 @@ pub const ENTRIES: [&str; 2] = ["begin", "nearest"];
 pub fn spec(plan: &FramePlan) -> ShaderSpec {
     StoreModules::of(plan).layout(ShaderSpec::new("passes/illustration/ends"))
 }
-
-/// The entry points of [`seams_spec`].
-pub const SEAM_ENTRIES: [&str; 2] = ["arrange", "main"];
 
 /// The shader that finds seams.
 pub fn seams_spec(plan: &FramePlan) -> ShaderSpec {
@@ -59,14 +57,14 @@ pub fn find(context: &mut Context<'_>) -> Result<(), GpuError> {
     let arguments = resources.require(pass.name(), "open_arguments")?.clone();
     let pixels = [context.width().div_ceil(16), context.rows().div_ceil(16), 1];
     let [begin, nearest] = ENTRIES;
-    let [arrange, main] = SEAM_ENTRIES;
-    let (all, seams, behind) = (spec(context.plan), seams_spec(context.plan), behind_spec(context.plan));
+    let plan = context.plan;
+    let all = spec(plan);
     for (spec, entry, groups) in [
         (&all, begin, Some(pixels)),
-        (&seams, arrange, Some([1, 1, 1])),
-        (&seams, main, None),
+        (&neighbours::arrange_spec(), "main", Some([1, 1, 1])),
+        (&seams_spec(plan), "main", None),
         (&all, nearest, Some(pixels)),
-        (&behind, "main", None),
+        (&behind_spec(plan), "main", None),
     ] {
         let kernel = context.shaders.kernel(spec, entry)?;
         match groups {
